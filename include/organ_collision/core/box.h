@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+
+#include "organ_collision/core/closest_point.h"
+
+namespace organ_collision::core {
+
+/// Axis-aligned box [m]. Empty until something is added.
+struct Box {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+
+  void add(const Eigen::Vector3d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  bool contains(const Eigen::Vector3d& point) const {
+    return (low.array() <= point.array()).all() && (point.array() <= high.array()).all();
+  }
+};
+
+inline Box boxOf(const Triangle& triangle) {
+  return {triangle.a.cwiseMin(triangle.b).cwiseMin(triangle.c),
+          triangle.a.cwiseMax(triangle.b).cwiseMax(triangle.c)};
+}
+
+/// A bound [m^2] that no squared distance between points of the two boxes falls below, in computed
+/// arithmetic too: every step is monotone under rounding.
+inline double squaredDistance(const Box& first, const Box& second) {
+  const Eigen::Vector3d gap =
+      (second.low - first.high).cwiseMax(first.low - second.high).cwiseMax(Eigen::Vector3d::Zero());
+  return squaredLength(gap);
+}
+
+inline double squaredDistance(const Box& box, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d gap =
+      (box.low - point).cwiseMax(point - box.high).cwiseMax(Eigen::Vector3d::Zero());
+  return squaredLength(gap);
+}
+
+}  // namespace organ_collision::core

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+namespace organ_collision::core {
+
+/// Two members of a set of points: first < second, or both 0 where all members coincide.
+struct FarthestPair {
+  std::size_t first, second;
+  double squared_distance;  ///< [m^2] squaredLength of their difference
+};
+
+/// The two farthest of `count` points: exact, in that no pair has a larger computed squared
+/// distance; of pairs that tie, the one with the smallest first, then the smallest second index.
+/// REQUIRES: count >= 1.
+/// Cost: a few sweeps over surfaces and volumes; n^2 never, but points on a sphere come close to
+/// n^1.5. Source: G. Malandain and J.-D. Boissonnat, "Computing the diameter of a point set"
+/// (2002): double normals, then the points outside the ball over the best pair; what is left is
+/// paired by branch and bound over two kd-trees.
+FarthestPair farthestPair(const Eigen::Vector3d* points, std::size_t count);
+
+/// The same by comparing all pairs: the reference for tests, and faster for a handful of points.
+FarthestPair farthestPairBruteForce(const Eigen::Vector3d* points, std::size_t count);
+
+}  // namespace organ_collision::core

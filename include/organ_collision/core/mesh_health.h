@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "organ_collision/core/box.h"
+#include "organ_collision/core/mesh_topology.h"
+#include "organ_collision/core/triangle_mesh.h"
+
+namespace organ_collision::core {
+
+/// What a user should know of a mesh before trusting answers about it.
+struct MeshHealth {
+  bool closed;              ///< every edge has an even number of triangles, and no weld has parted
+  bool consistently_wound;  ///< neighbours run along their edge in opposite senses
+  bool inverted;  ///< closed and wound, but enclosing a negative volume: it is read inside out
+  std::size_t degenerate_triangles;  ///< of zero area, exactly
+  std::size_t duplicate_triangles;   ///< same corners as an earlier one
+  Box box;                           ///< [m] of all triangles
+
+  /// Inside and outside are known.
+  bool isSolid() const { return closed && consistently_wound; }
+};
+
+/// O(n).
+MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology);
+
+/// One sentence for each thing that is likely to be a mistake, a size that is no organ's
+/// (millimetres?) included.
+std::vector<std::string> warnings(const MeshHealth& health);
+
+}  // namespace organ_collision::core

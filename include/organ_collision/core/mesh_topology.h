@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "organ_collision/core/triangle_mesh.h"
+
+namespace organ_collision::core {
+
+/// Which triangles meet where: vertices at exactly the same position when this is made are welded,
+/// whatever their numbers. What moves apart later stays welded, what falls together later is not:
+/// welds change with the topology only.
+class MeshTopology {
+ public:
+  /// Vertices welded into one.
+  using Weld = std::uint32_t;
+  struct TriangleRange {
+    const TriangleId *first, *last;
+    const TriangleId* begin() const { return first; }
+    const TriangleId* end() const { return last; }
+  };
+
+  /// O(n log n).
+  explicit MeshTopology(const TriangleMesh& mesh);
+
+  Weld weld(VertexId vertex) const { return welds_[index(vertex)]; }
+  TriangleRange trianglesAt(Weld weld) const {
+    return {triangles_at_.data() + offsets_[weld], triangles_at_.data() + offsets_[weld + 1]};
+  }
+
+  bool closed() const { return closed_; }  ///< every edge has an even number of triangles
+  bool consistentlyWound() const {
+    return consistently_wound_;
+  }  ///< neighbours run along their edge in opposite senses
+  std::size_t duplicateTriangles() const {
+    return duplicate_triangles_;
+  }  ///< same corners as an earlier one
+
+  /// Whether the vertices of every weld are still at one position. O(n).
+  bool weldsHold(const TriangleMesh& mesh) const;
+
+  std::size_t memory() const;  ///< [bytes]
+
+ private:
+  void weldVertices(const TriangleMesh& mesh);
+  void listTriangles(const TriangleMesh& mesh);
+  void inspectEdges(const TriangleMesh& mesh);
+  void countDuplicates(const TriangleMesh& mesh);
+
+  std::vector<Weld> welds_;                // of each vertex
+  std::vector<VertexId> representatives_;  // of each weld: its first vertex
+  std::vector<std::uint32_t> offsets_;     // of each weld into triangles_at_, one more at the end
+  std::vector<TriangleId> triangles_at_;
+  bool closed_ = true;
+  bool consistently_wound_ = true;
+  std::size_t duplicate_triangles_ = 0;
+};
+
+}  // namespace organ_collision::core

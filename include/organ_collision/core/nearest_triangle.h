@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "organ_collision/core/closest_point.h"
+#include "organ_collision/core/collision_mesh.h"
+
+namespace organ_collision::core {
+
+/// How wrong an answer may be. The search stops at the first limit that is met; all zero is exact.
+struct Accuracy {
+  double max_relative_error = 0.0;  ///< e: distance found <= (1 + e) * nearest distance
+  double max_absolute_error = 0.0;  ///< [m] distance found <= nearest distance + this
+  std::uint32_t max_leaves = 0;  ///< triangles looked at; 0: no limit, 1: the paper's greedy search
+
+  static Accuracy exact() { return {}; }
+  static Accuracy greedy() { return {0.0, 0.0, 1}; }
+};
+
+/// Throws std::invalid_argument naming the field unless both errors are finite and >= 0.
+void requireUsable(const Accuracy& accuracy);
+
+/// What a search cost; the same on every machine.
+struct SearchWork {
+  std::uint32_t bounds = 0;     ///< boxes measured
+  std::uint32_t triangles = 0;  ///< triangles measured
+};
+
+/// The triangle of an organ nearest to an instrument's tip, with the proof of how wrong that may
+/// be. Frame: the mesh's.
+struct NearestTriangle {
+  TriangleId triangle;
+  ClosestPoint closest;       ///< on the triangle, seen from tip_point
+  Eigen::Vector3d tip_point;  ///< [m] the tip's point nearest to the triangle
+  Eigen::Vector3d
+      normal;            ///< unit outward pseudonormal at the closest point; zero if there is none
+  double distance;       ///< [m] negative inside, where signed
+  double lower_bound;    ///< [m] lower_bound <= true distance <= upper_bound, in the same sign
+                         ///< convention,
+  double upper_bound;    ///< [m] but for rounding of 4*u*extent; distance is one of the two; equal:
+                         ///< exact
+  bool distance_signed;  ///< the sign is proven; otherwise distance >= 0
+  SearchWork work;
+
+  bool isExact() const { return lower_bound == upper_bound; }
+};
+
+/// The triangle nearest to a point [m]. An exact answer's distance is the least of all computed
+/// point-triangle distances, bit for bit, and of triangles that tie it names the first in the
+/// hierarchy's order. max_leaves = 1 is the paper's search: go to the child whose pole is nearer,
+/// until one triangle is left. More leaves never give a worse answer. Throws std::invalid_argument
+/// for a point or an accuracy that is not usable. Allocates only until the calling thread has seen
+/// its widest search.
+NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
+                                const Accuracy& accuracy = {});
+
+/// The same for a triangle at the instrument's tip, the paper's: routed by its centroid, then
+/// measured whole.
+NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
+                                const Accuracy& accuracy = {});
+
+}  // namespace organ_collision::core

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "organ_collision/core/closest_point.h"
+#include "organ_collision/core/collision_mesh.h"
+
+namespace organ_collision::core {
+
+enum class Side : std::uint8_t { kOutside, kInside };
+
+/// The unit outward pseudonormal at a feature of a triangle: of a face its normal, of an edge or
+/// vertex the mean of the normals around it, weighted by their angles. Zero where only zero-area
+/// triangles meet or the normals cancel. Source: J. Bærentzen and H. Aanæs, "Signed distance
+/// computation using the angle weighted pseudonormal" (2005).
+Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Feature feature);
+
+/// How often the surface winds around a point that is not on it: exact, by counting the crossings
+/// of the ray from the point along +x, degenerate ones included. Not 0: inside. REQUIRES:
+/// organ.health().isSolid().
+int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point);
+
+/// On which side of the organ `point` is; nothing where the organ is no solid. `closest` must be
+/// the exactly nearest point of the organ, on `triangle`. By the pseudonormal where rounding cannot
+/// turn it, else by the winding number.
+std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                           TriangleId triangle, const ClosestPoint& closest);
+
+}  // namespace organ_collision::core

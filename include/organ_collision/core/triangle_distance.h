@@ -1,0 +1,19 @@
+#pragma once
+
+#include "organ_collision/core/closest_point.h"
+
+namespace organ_collision::core {
+
+/// A nearest pair of points of two triangles.
+struct ClosestPair {
+  Eigen::Vector3d point_on_first;  ///< [m]
+  ClosestPoint on_second;          ///< its query is point_on_first; squared_distance is 0 where the triangles intersect
+};
+
+/// The nearest points of two triangles [m]: distance 0 and a common point where they intersect (decided exactly), else
+/// the least of 6 vertex-face and 9 edge-edge distances. Zero-area triangles are the segment or the point that they are.
+/// `on_second.offset` lies within the difference of the two triangles' boxes, rounded: no box-to-box bound computed in
+/// the same arithmetic can exceed the distance returned here.
+ClosestPair closestPoints(const Triangle& first, const Triangle& second);
+
+}  // namespace organ_collision::core

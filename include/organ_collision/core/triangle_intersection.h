@@ -1,0 +1,12 @@
+#pragma once
+
+#include "organ_collision/core/triangle_mesh.h"
+
+namespace organ_collision::core {
+
+/// True where the closed triangles have a point in common. Exact: decided by the signs of exact predicates, coplanar and
+/// zero-area triangles included, so the order of corners and of triangles does not matter.
+/// Source: O. Devillers and P. Guigue, "Faster triangle-triangle intersection tests", INRIA RR-4488 (2002).
+bool trianglesIntersect(const Triangle& first, const Triangle& second);
+
+}  // namespace organ_collision::core

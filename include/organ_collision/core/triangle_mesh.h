@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "organ_collision/core/ids.h"
+
+namespace organ_collision::core {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Corner positions [m].
+struct Triangle {
+  Eigen::Vector3d a, b, c;
+};
+
+/// Positions and queries must stay below this in every coordinate [m]: their squares do not
+/// overflow.
+constexpr double kLargestCoordinate = 1e150;
+
+/// Throws std::invalid_argument naming `what` unless all coordinates are finite and of a magnitude
+/// below kLargestCoordinate.
+void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number);
+
+/// Triangles over shared vertices, numbered as in the file that they came from.
+/// Invariants: at least one triangle; every corner names a vertex; every position is finite and
+/// below kLargestCoordinate. Zero-area and duplicate triangles are allowed: indices must hold.
+class TriangleMesh {
+ public:
+  /// `positions` [m]. Throws std::invalid_argument naming the offending element.
+  TriangleMesh(Points positions, std::vector<Corners> triangles);
+
+  const Points& positions() const { return positions_; }
+  const std::vector<Corners>& triangles() const { return triangles_; }
+  std::size_t triangleCount() const { return triangles_.size(); }
+
+  const Eigen::Vector3d& position(VertexId id) const { return positions_[index(id)]; }
+  const Corners& corners(TriangleId id) const { return triangles_[index(id)]; }
+  Triangle triangle(TriangleId id) const {
+    const Corners& corner = corners(id);
+    return {position(corner[0]), position(corner[1]), position(corner[2])};
+  }
+
+  /// Moves all vertices [m]. Throws std::invalid_argument and leaves the mesh as it was if the
+  /// count differs or a position is not finite.
+  void setPositions(Points positions);
+
+ private:
+  Points positions_;
+  std::vector<Corners> triangles_;
+};
+
+/// The centroid (P1+P2+P3)/3 [m] that stands for a triangle (Muñoz et al. 2012), the same bits for
+/// every order of the corners.
+Eigen::Vector3d centroid(const Triangle& triangle);
+
+}  // namespace organ_collision::core

@@ -1,0 +1,172 @@
+#include "organ_collision/core/sign.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "organ_collision/core/predicates.h"
+
+namespace organ_collision::core {
+namespace {
+
+// Rounding turns no sign that is clearer than this: the unit normal of a triangle whose angles have
+// a sine above it is right to 8u / kClear, a sum of normals longer than it to 8u / kClear^2, and
+// that is far below kClear.
+constexpr double kClear = 0x1p-12;
+
+/// Triangles that meet at a feature, with the angles that they fill there; made of all that share
+/// its welded vertices.
+class Fan {
+ public:
+  Fan(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
+    switch (feature) {
+      case Feature::kFace:
+        add(organ.mesh().triangle(triangle), 0, Feature::kFace);
+        break;
+      case Feature::kVertexA:
+      case Feature::kVertexB:
+      case Feature::kVertexC:
+        addAround(organ, corner(organ, triangle, static_cast<std::size_t>(feature)));
+        break;
+      case Feature::kEdgeAB:
+      case Feature::kEdgeBC:
+      case Feature::kEdgeCA: {
+        const auto first =
+            static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::kEdgeAB);
+        addAlong(organ, corner(organ, triangle, first), corner(organ, triangle, (first + 1) % 3));
+        break;
+      }
+    }
+  }
+
+  const Eigen::Vector3d& normal() const { return normal_; }
+  bool isWellShaped() const { return well_shaped_ && normal_.norm() > kClear; }
+
+ private:
+  using Weld = MeshTopology::Weld;
+
+  static Weld corner(const CollisionMesh& organ, TriangleId triangle, std::size_t i) {
+    return organ.topology().weld(organ.mesh().corners(triangle)[i]);
+  }
+
+  void addAround(const CollisionMesh& organ, Weld vertex) {
+    for (const TriangleId id : organ.topology().trianglesAt(vertex)) {
+      for (const std::size_t i : {0, 1, 2}) {
+        if (corner(organ, id, i) == vertex) add(organ.mesh().triangle(id), i, Feature::kVertexA);
+      }
+    }
+  }
+
+  void addAlong(const CollisionMesh& organ, Weld from, Weld to) {
+    for (const TriangleId id : organ.topology().trianglesAt(from)) {
+      for (const std::size_t i : {0, 1, 2}) {
+        const Weld first = corner(organ, id, i);
+        const Weld second = corner(organ, id, (i + 1) % 3);
+        if ((first == from && second == to) || (first == to && second == from)) {
+          add(organ.mesh().triangle(id), i, Feature::kEdgeAB);
+        }
+      }
+    }
+  }
+
+  /// Adds the normal of `triangle`, weighted by its angle at corner i where a vertex is asked for.
+  void add(const Triangle& triangle, std::size_t i, Feature kind) {
+    const std::array<const Eigen::Vector3d*, 3> corners = {&triangle.a, &triangle.b, &triangle.c};
+    // Scaled to 1 before they are multiplied, so that no size over- or underflows.
+    const Eigen::Vector3d to_next = (*corners[(i + 1) % 3] - *corners[i]).stableNormalized();
+    const Eigen::Vector3d to_last = (*corners[(i + 2) % 3] - *corners[i]).stableNormalized();
+    const Eigen::Vector3d across = to_next.cross(to_last);
+    const double sine = across.norm();
+    well_shaped_ = well_shaped_ && sine > kClear;
+    if (sine == 0.0) return;
+    const double weight = kind == Feature::kVertexA ? std::atan2(sine, to_next.dot(to_last)) : 1.0;
+    normal_ += weight / sine * across;
+  }
+
+  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
+  bool well_shaped_ = true;
+};
+
+/// Turns a mesh that is inside out.
+double orientationFactor(const CollisionMesh& organ) {
+  return organ.health().inverted ? -1.0 : 1.0;
+}
+
+double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
+
+/// +1 or -1 where the line through `point` along x crosses the triangle with its normal along +x or
+/// -x, else 0. A line that meets an edge is moved by less than any number, first in y and by still
+/// less in z: of the triangles around the edge exactly those that the moved line crosses are
+/// counted.
+int crossing(const Triangle& triangle, const Eigen::Vector3d& point) {
+  const std::array<const Eigen::Vector3d*, 3> corners = {&triangle.a, &triangle.b, &triangle.c};
+  int turns = 0;
+  for (const std::size_t i : {0, 1, 2}) {
+    const Eigen::Vector3d& from = *corners[i];
+    const Eigen::Vector3d& to = *corners[(i + 1) % 3];
+    const bool upwards = from.z() <= point.z();
+    if (upwards == (to.z() <= point.z())) continue;
+    int left = orientation(alongAxis(from, 0), alongAxis(to, 0), alongAxis(point, 0));
+    if (left == 0) left = upwards ? -1 : 1;
+    if (upwards && left > 0) ++turns;
+    if (!upwards && left < 0) --turns;
+  }
+  return turns;
+}
+
+}  // namespace
+
+Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
+  return orientationFactor(organ) * Fan(organ, triangle, feature).normal().stableNormalized();
+}
+
+int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
+  const FarthestPairTree& tree = organ.tree();
+  const auto meetsRay = [&point](const Box& box) {
+    return point.x() <= box.high.x() && box.low.y() <= point.y() && point.y() <= box.high.y() &&
+           box.low.z() <= point.z() && point.z() <= box.high.z();
+  };
+  int winding = 0;
+  const auto count = [&](TriangleId id) {
+    const Triangle triangle = organ.mesh().triangle(id);
+    if (!meetsRay(boxOf(triangle))) return;
+    const int turns = crossing(triangle, point);
+    // Seen from the normal's side the triangle is ahead of the point only if the point is behind
+    // it, and vice versa.
+    if (turns != 0 && turns * orientation(triangle.a, triangle.b, triangle.c, point) < 0)
+      winding += turns;
+  };
+  thread_local std::vector<FarthestPairTree::Child> stack;
+  stack.assign(1, tree.root());
+  while (!stack.empty()) {
+    const FarthestPairTree::Child child = stack.back();
+    stack.pop_back();
+    if (child.isLeaf()) {
+      count(tree.triangle(child.leaf()));
+    } else if (meetsRay(tree.box(child.node()))) {
+      const auto& children = tree.node(child.node()).children;
+      stack.insert(stack.end(), children.begin(), children.end());
+    }
+  }
+  return winding;
+}
+
+std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                           TriangleId triangle, const ClosestPoint& closest) {
+  const MeshHealth& health = organ.health();
+  if (!health.isSolid()) return std::nullopt;
+  if (!health.box.contains(point)) return Side::kOutside;
+  const double extent =
+      largestCoordinate(closest.offset) + largestCoordinate(health.box.high - health.box.low);
+  const Fan fan(organ, triangle, closest.feature);
+  const double height = -orientationFactor(organ) *
+                        closest.offset.stableNormalized().dot(fan.normal().stableNormalized());
+  const bool clear = fan.isWellShaped() && std::abs(height) > kClear &&
+                     largestCoordinate(closest.offset) > 0x1p-30 * extent;
+  if (clear) return height > 0.0 ? Side::kOutside : Side::kInside;
+  return windingNumber(organ, point) == 0 ? Side::kOutside : Side::kInside;
+}
+
+}  // namespace organ_collision::core

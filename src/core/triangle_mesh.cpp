@@ -1,0 +1,71 @@
+#include "organ_collision/core/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace organ_collision::core {
+namespace {
+
+void requireAllUsable(const Points& positions) {
+  for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
+}
+
+/// (low + high) + middle: the same bits for every order of the three, and for their negatives.
+double sumInAnyOrder(double p, double q, double r) {
+  const double low = std::min({p, q, r});
+  const double high = std::max({p, q, r});
+  const double middle = std::max(std::min(p, q), std::min(std::max(p, q), r));
+  return (low + high) + middle;
+}
+
+}  // namespace
+
+void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
+  if ((position.array().abs() < kLargestCoordinate).all()) return;
+  std::ostringstream message;
+  message << what << " " << number << " is at (" << position.x() << ", " << position.y() << ", "
+          << position.z() << ") m: coordinates must be finite and below " << kLargestCoordinate
+          << " m";
+  throw std::invalid_argument(message.str());
+}
+
+TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)
+    : positions_(std::move(positions)), triangles_(std::move(triangles)) {
+  if (triangles_.empty()) throw std::invalid_argument("the mesh has no triangle");
+  if (triangles_.size() > std::numeric_limits<std::uint32_t>::max() / 4) {
+    throw std::invalid_argument("the mesh has " + std::to_string(triangles_.size()) +
+                                " triangles: more than 32-bit indices allow");
+  }
+  requireAllUsable(positions_);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    for (const VertexId corner : triangles_[i]) {
+      if (index(corner) < positions_.size()) continue;
+      throw std::invalid_argument("triangle " + std::to_string(i) + " names vertex " +
+                                  std::to_string(index(corner)) + " of " +
+                                  std::to_string(positions_.size()));
+    }
+  }
+}
+
+void TriangleMesh::setPositions(Points positions) {
+  if (positions.size() != positions_.size()) {
+    throw std::invalid_argument(std::to_string(positions.size()) + " positions given for " +
+                                std::to_string(positions_.size()) + " vertices");
+  }
+  requireAllUsable(positions);
+  positions_ = std::move(positions);
+}
+
+Eigen::Vector3d centroid(const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  return Eigen::Vector3d(sumInAnyOrder(a.x(), b.x(), c.x()), sumInAnyOrder(a.y(), b.y(), c.y()),
+                         sumInAnyOrder(a.z(), b.z(), c.z())) /
+         3.0;
+}
+
+}  // namespace organ_collision::core

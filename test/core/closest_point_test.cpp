@@ -1,0 +1,250 @@
+#include "organ_collision/core/closest_point.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "exact_reference.h"
+#include "hard_triangles.h"
+#include "organ_collision/core/box.h"
+#include "organ_collision/core/predicates.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Vector3d;
+
+// The promise of the header, in units of u * extent.
+constexpr double kPromise = 4;
+constexpr int kSamples = 10000;  // of each shape
+
+const Triangle kRight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+double extentOf(const Vector3d& query, const Triangle& t) {
+  return std::max({(t.a - query).norm(), (t.b - query).norm(), (t.c - query).norm()});
+}
+
+exact::Real distanceOf(const ClosestPoint& closest) { return sqrt(exact::Real(closest.squared_distance)); }
+
+/// [u * extent]
+double errorOf(const Vector3d& query, const Triangle& t) {
+  const double extent = extentOf(query, t);
+  if (extent == 0) return 0;
+  const exact::Real error = distanceOf(closestPointOnTriangle(query, t)) - exact::distance(query, t);
+  return static_cast<double>(abs(error) / (kUnit * extent));
+}
+
+/// Calls `check(query, triangle)` for samples of every shape.
+template <typename Check>
+void forEachSample(unsigned seed, int count, const Check& check) {
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(name(shape));
+    HardTriangles triangles(seed);
+    for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
+      const Sample sample = triangles.sample(shape);
+      check(sample.query, sample.triangle);
+    }
+  }
+}
+
+bool sameBits(const ClosestPoint& left, const ClosestPoint& right) {
+  return left.point == right.point && left.offset == right.offset && left.barycentric == right.barycentric &&
+         left.feature == right.feature && left.squared_distance == right.squared_distance;
+}
+
+TEST(ClosestPoint, IsBelowAQueryAboveTheFace) {
+  const ClosestPoint closest = closestPointOnTriangle({0.25, 0.25, 2}, kRight);
+  EXPECT_EQ(closest.point, Vector3d(0.25, 0.25, 0));
+  EXPECT_EQ(closest.offset, Vector3d(0, 0, -2));
+  EXPECT_EQ(closest.barycentric, Vector3d(0.5, 0.25, 0.25));
+  EXPECT_EQ(closest.feature, Feature::kFace);
+  EXPECT_EQ(closest.squared_distance, 4);
+}
+
+TEST(ClosestPoint, IsOnTheEdgeThatTheQueryIsBeyond) {
+  const ClosestPoint below = closestPointOnTriangle({0.25, -3, 4}, kRight);
+  EXPECT_EQ(below.point, Vector3d(0.25, 0, 0));
+  EXPECT_EQ(below.barycentric, Vector3d(0.75, 0.25, 0));
+  EXPECT_EQ(below.feature, Feature::kEdgeAB);
+  EXPECT_EQ(below.squared_distance, 25);
+  EXPECT_EQ(closestPointOnTriangle({2, 2, 0}, kRight).feature, Feature::kEdgeBC);
+  EXPECT_EQ(closestPointOnTriangle({-1, 0.5, 0}, kRight).feature, Feature::kEdgeCA);
+}
+
+TEST(ClosestPoint, IsTheCornerThatTheQueryIsBeyond) {
+  const ClosestPoint a = closestPointOnTriangle({-1, -2, 2}, kRight);
+  EXPECT_EQ(a.point, kRight.a);
+  EXPECT_EQ(a.barycentric, Vector3d(1, 0, 0));
+  EXPECT_EQ(a.feature, Feature::kVertexA);
+  EXPECT_EQ(a.squared_distance, 9);
+  EXPECT_EQ(closestPointOnTriangle({3, 0, 0}, kRight).feature, Feature::kVertexB);
+  EXPECT_EQ(closestPointOnTriangle({0, 3, 0}, kRight).feature, Feature::kVertexC);
+}
+
+TEST(ClosestPoint, TakesACollapsedTriangleForItsSegment) {
+  // dimforge/parry#76: 0 was returned
+  const Triangle collapsed{{2.27699995, -7.9000001, 16.3180008},
+                           {-0.569999993, -8.10000038, 16.6070004},
+                           {-0.569999993, -8.10000038, 16.6070004}};
+  const Vector3d query{1.10000002, -7.9000001, 16.5879993};
+  const ClosestPoint closest = closestPointOnTriangle(query, collapsed);
+  EXPECT_NEAR(std::sqrt(closest.squared_distance), 0.171478265901441516, kPromise * kUnit * extentOf(query, collapsed));
+  EXPECT_TRUE(closest.feature == Feature::kEdgeAB || closest.feature == Feature::kEdgeCA);
+}
+
+TEST(ClosestPoint, FindsTheSegmentBesideATriangleThatIsAPoint) {
+  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}}).squared_distance, 1);
+  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}).squared_distance, 1.25);
+}
+
+TEST(ClosestPoint, KeepsTheDistanceFromATriangleOfATenthOfAMillimetre) {
+  // FCL 0.7 answers 0
+  const Triangle small{{0, 0, 0}, {1.5e-4, 0, 0}, {0, 1.5e-4, 0}};
+  const Vector3d query{5e-5, 5e-5, 1.5e-5};
+  EXPECT_NEAR(std::sqrt(closestPointOnTriangle(query, small).squared_distance), 1.5e-5,
+              kPromise * kUnit * extentOf(query, small));
+}
+
+TEST(ClosestPoint, IsOnTheNeedleThatRegionMethodsMiss) {
+  const Vector3d query{0x1.3eaae8a04848p-7, 0x1.470bd32a5324cp-1, -0x1.3040feaed6472p+0};
+  const Triangle needle{{0x1.c6edb78d4b263p-3, 0x1.9ac3608b45908p-1, -0x1.62cdd81ebeb04p+0},
+                        {-0x1.ee5c5b80ea279p-1, -0x1.caba4fa4f949p-4, -0x1.209bfef03778fp-2},
+                        {-0x1.ee5c5bb00ac8p-1, -0x1.caba50c0af9c6p-4, -0x1.209bfee2b88e5p-2}};
+  EXPECT_NEAR(std::sqrt(closestPointOnTriangle(query, needle).squared_distance), 6.53229269437997e-10,
+              kPromise * kUnit * extentOf(query, needle));
+}
+
+TEST(ClosestPoint, ReferenceKnowsHandMadeDistances) {
+  EXPECT_EQ(exact::distance({0.25, 0.25, 2}, kRight), 2);
+  EXPECT_EQ(exact::distance({0.25, -3, 4}, kRight), 5);
+  EXPECT_EQ(exact::distance({-1, -2, 2}, kRight), 3);
+  EXPECT_EQ(exact::distance({3e5, 4e5, 0}, scaled(kRight, 0)), 5e5);
+}
+
+TEST(ClosestPoint, DistanceIsWithinFourRoundingErrorsOfTheExtent) {
+  forEachSample(1, kSamples, [](const Vector3d& query, const Triangle& t) { ASSERT_LE(errorOf(query, t), kPromise); });
+}
+
+TEST(ClosestPoint, DistanceIsAsGoodAtTheExtremesOfScale) {
+  for (const double scale : {0x1p-450, 0x1p-300, 0x1p-60, 0x1p+60, 0x1p+300, 0x1p+450}) {
+    SCOPED_TRACE(scale);
+    forEachSample(2, kSamples / 20, [scale](const Vector3d& query, const Triangle& t) {
+      ASSERT_LE(errorOf(scale * query, scaled(t, scale)), kPromise);
+    });
+  }
+}
+
+TEST(ClosestPoint, ScalingByAPowerOfTwoChangesNoOtherBit) {
+  for (const int exponent : {-300, -101, -3, 1, 99, 300}) {
+    const double scale = std::ldexp(1.0, exponent);
+    forEachSample(3, kSamples / 5, [scale](const Vector3d& query, const Triangle& t) {
+      ClosestPoint closest = closestPointOnTriangle(query, t);
+      closest.point *= scale;
+      closest.offset *= scale;
+      closest.squared_distance *= scale * scale;
+      ASSERT_TRUE(sameBits(closest, closestPointOnTriangle(scale * query, scaled(t, scale))));
+    });
+  }
+}
+
+TEST(ClosestPoint, IsTheSameForEveryOrderOfTheCorners) {
+  forEachSample(4, kSamples, [](const Vector3d& query, const Triangle& t) {
+    const ClosestPoint closest = closestPointOnTriangle(query, t);
+    for (int order = 1; order < 6; ++order) {
+      const ClosestPoint other = closestPointOnTriangle(query, reordered(t, order));
+      ASSERT_EQ(other.offset, closest.offset);
+      ASSERT_EQ(other.point, closest.point);
+    }
+  });
+}
+
+TEST(ClosestPoint, IsNeverNearerThanTheBox) {
+  forEachSample(5, kSamples, [](const Vector3d& query, const Triangle& t) {
+    ASSERT_LE(squaredDistance(boxOf(t), query), closestPointOnTriangle(query, t).squared_distance);
+  });
+}
+
+TEST(ClosestPoint, IsNeverNearerThanTheBoxOfAFlatTriangle) {
+  HardTriangles triangles(6);
+  for (int i = 0; i < kSamples; ++i) {  // here the face and its box are equally near
+    Sample sample = triangles.sample(Shape::kFarFromOrigin);
+    sample.triangle.a.x() = sample.triangle.b.x() = sample.triangle.c.x();
+    ASSERT_LE(squaredDistance(boxOf(sample.triangle), sample.query),
+              closestPointOnTriangle(sample.query, sample.triangle).squared_distance);
+  }
+}
+
+TEST(ClosestPoint, LiesInTheTriangle) {
+  forEachSample(7, kSamples, [](const Vector3d& query, const Triangle& t) {
+    const ClosestPoint closest = closestPointOnTriangle(query, t);
+    const Vector3d& w = closest.barycentric;
+    const double coordinate = largestCoordinate(t);
+    ASSERT_TRUE(boxOf(t).contains(closest.point));
+    ASSERT_LE((w.x() * t.a + w.y() * t.b + w.z() * t.c - closest.point).norm(), 2 * kPromise * kUnit * coordinate);
+    ASSERT_LE((closest.point - query - closest.offset).norm(),
+              2 * kPromise * kUnit * (extentOf(query, t) + coordinate + query.norm()));
+  });
+}
+
+TEST(ClosestPoint, FeatureNamesTheCornersThatHaveWeight) {
+  forEachSample(8, kSamples, [](const Vector3d& query, const Triangle& t) {
+    const ClosestPoint closest = closestPointOnTriangle(query, t);
+    const Vector3d& w = closest.barycentric;
+    ASSERT_TRUE((w.array() >= 0).all() && (w.array() <= 1).all());
+    ASSERT_NEAR(w.sum(), 1, 2 * kUnit);
+    const std::string with_weight =
+        std::string(w.x() > 0 ? "a" : "") + (w.y() > 0 ? "b" : "") + (w.z() > 0 ? "c" : "");
+    constexpr std::array<const char*, 7> kNamed{"a", "b", "c", "ab", "bc", "ac", "abc"};
+    ASSERT_EQ(with_weight, kNamed[static_cast<std::size_t>(closest.feature)]);
+    if (with_weight.size() == 1) {
+      ASSERT_EQ(closest.point, w.x() == 1 ? t.a : (w.y() == 1 ? t.b : t.c));
+    }
+    ASSERT_EQ(closest.squared_distance, squaredLength(closest.offset));
+  });
+}
+
+TEST(ClosestPoint, HasNoFaceWithoutAnArea) {
+  HardTriangles triangles(9);
+  for (int i = 0; i < kSamples; ++i) {
+    // exact multiples of one vector: collinear, though their rounded differences are not parallel
+    const auto multiple = [&triangles] {
+      const double factor = std::floor(triangles.uniform(-1e6, 1e6));
+      return Vector3d(std::ldexp(factor, static_cast<int>(triangles.uniform(-60, 0))) * Vector3d(3111, -4999, 7919));
+    };
+    const Triangle flat{multiple(), multiple(), multiple()};
+    ASSERT_TRUE(exact::collinear(flat.a, flat.b, flat.c));
+    const double size = (flat.b - flat.a).norm();
+    const Vector3d query = triangles.pointOf(flat) + size * triangles.magnitude(-18, 0) * triangles.inCube();
+    ASSERT_NE(closestPointOnTriangle(query, flat).feature, Feature::kFace);
+    ASSERT_LE(errorOf(query, flat), kPromise);
+  }
+}
+
+TEST(ClosestPoint, IsFiniteForTheLargestCoordinates) {
+  HardTriangles triangles(10);
+  for (int i = 0; i < kSamples; ++i) {
+    const auto huge = [&triangles] {
+      return Vector3d(triangles.inCube().cwiseProduct(0.999 * kLargestCoordinate * Vector3d::Ones()));
+    };
+    const auto tiny = [&triangles] { return Vector3d(triangles.magnitude(-320, 0) * triangles.inCube()); };
+    const auto any = [&] { return triangles.oneIn(2) ? huge() : tiny(); };
+    const Triangle t{any(), any(), any()};
+    const ClosestPoint closest = closestPointOnTriangle(any(), t);
+    ASSERT_TRUE(closest.point.allFinite() && closest.offset.allFinite() && closest.barycentric.allFinite());
+    ASSERT_TRUE(std::isfinite(closest.squared_distance));
+  }
+}
+
+TEST(ClosestPoint, KeepsThePromiseForTheLargestCoordinates) {
+  HardTriangles triangles(11);
+  for (int i = 0; i < kSamples / 10; ++i) {
+    const double scale = 0.99 * kLargestCoordinate;
+    const Triangle t = scaled(triangles.triangle(Shape::kRandom), scale);
+    ASSERT_LE(errorOf(scale * triangles.inCube(), t), kPromise);
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "organ_collision/core/triangle_mesh.h"
+
+namespace organ_collision::core {
+
+constexpr double kUnit = 0x1p-53;  // u: half the relative distance of two doubles
+
+/// The shapes that geometric kernels fail on.
+enum class Shape {
+  kRandom,
+  kNeedle,         ///< two corners nearly or wholly coincide
+  kCap,            ///< three corners nearly or wholly on a line
+  kFarFromOrigin,  ///< moved by 1e4
+  kSmallAndFar,    ///< moved by 1e4, down to 1e-8 in size
+  kMixedScale,     ///< each coordinate of its own magnitude, 1e-6 to 1e6
+  kZeroArea,       ///< a point or a segment
+  kLattice         ///< small integers: coplanar, collinear, shared corners
+};
+
+constexpr std::array<Shape, 8> kShapes{Shape::kRandom,      Shape::kNeedle,     Shape::kCap,      Shape::kFarFromOrigin,
+                                       Shape::kSmallAndFar, Shape::kMixedScale, Shape::kZeroArea, Shape::kLattice};
+
+inline const char* name(Shape shape) {
+  constexpr std::array<const char*, 8> kNames{"random",       "needle",      "cap",       "far from the origin",
+                                              "small and far", "mixed scale", "zero area", "lattice"};
+  return kNames[static_cast<std::size_t>(shape)];
+}
+
+struct Sample {
+  Eigen::Vector3d query;
+  Triangle triangle;
+};
+
+/// A seeded stream of hard triangles, the query anywhere near or down to a rounding error away from the surface.
+class HardTriangles {
+ public:
+  explicit HardTriangles(unsigned seed) : random_(seed) {}
+
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  /// In [10^low, 10^high].
+  double magnitude(double low, double high) { return std::pow(10.0, uniform(low, high)); }
+  bool oneIn(int n) { return uniform(0, n) < 1; }
+  Eigen::Vector3d inCube() { return {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}; }
+  Eigen::Vector3d pointOf(const Triangle& triangle) {
+    const double s = uniform(0, 1);
+    const double t = uniform(0, 1 - s);
+    return (1 - s - t) * triangle.a + s * triangle.b + t * triangle.c;
+  }
+
+  Triangle triangle(Shape shape) {
+    const Eigen::Vector3d a = inCube();
+    const Eigen::Vector3d b = inCube();
+    const Eigen::Vector3d c = inCube();
+    const double along = uniform(-0.2, 1.2);
+    const double size = magnitude(-8, 0);
+    switch (shape) {
+      case Shape::kRandom:
+        return {a, b, c};
+      case Shape::kNeedle:
+        return {a, b, b + magnitude(-17, -1) * c};
+      case Shape::kCap:
+        return {a, b, (1 - along) * a + along * b + magnitude(-17, -1) * c};
+      case Shape::kFarFromOrigin:
+        return {kFar + a, kFar + b, kFar + c};
+      case Shape::kSmallAndFar:
+        return {kFar + size * a, kFar + size * b, kFar + size * c};
+      case Shape::kMixedScale:
+        return {a.cwiseProduct(magnitudes()), b.cwiseProduct(magnitudes()), c.cwiseProduct(magnitudes())};
+      case Shape::kZeroArea:
+        if (oneIn(4)) return {a, a, a};
+        if (oneIn(3)) return {a, b, a};
+        if (oneIn(2)) return {-a, a, 0.5 * a};
+        return {inLattice(), 2 * inLattice(), 3 * inLattice()};
+      case Shape::kLattice:
+        return {inLattice(), inLattice(), inLattice()};
+    }
+    return {};
+  }
+
+  Sample sample(Shape shape) {
+    const Triangle triangle = this->triangle(shape);
+    const double size = (triangle.b - triangle.a).norm();
+    switch (static_cast<int>(uniform(0, 4))) {
+      case 0:
+        return {pointOf(triangle) + size * magnitude(-17, 0) * inCube(), triangle};
+      case 1:
+        return {triangle.a + uniform(0, 1) * (triangle.c - triangle.a) + size * magnitude(-17, 0) * inCube(), triangle};
+      case 2:
+        return {triangle.a + magnitude(-8, 2) * inCube(), triangle};
+      default:
+        return {this->triangle(shape).a, triangle};
+    }
+  }
+
+ private:
+  inline static const Eigen::Vector3d kFar{7123.4, -1e4, 9876.5};
+
+  Eigen::Vector3d magnitudes() { return {magnitude(-6, 6), magnitude(-6, 6), magnitude(-6, 6)}; }
+  Eigen::Vector3d inLattice() { return {std::floor(uniform(-2, 3)), std::floor(uniform(-2, 3)), 0}; }
+
+  std::mt19937_64 random_;
+};
+
+inline Triangle scaled(const Triangle& t, double factor) { return {factor * t.a, factor * t.b, factor * t.c}; }
+
+/// The triangle with its corners in order number 0 to 5.
+inline Triangle reordered(const Triangle& t, int order) {
+  const Triangle turned = order % 3 == 0 ? t : (order % 3 == 1 ? Triangle{t.b, t.c, t.a} : Triangle{t.c, t.a, t.b});
+  return order < 3 ? turned : Triangle{turned.b, turned.a, turned.c};
+}
+
+inline double largestCoordinate(const Triangle& t) {
+  return t.a.cwiseAbs().cwiseMax(t.b.cwiseAbs()).cwiseMax(t.c.cwiseAbs()).maxCoeff();
+}
+
+}  // namespace organ_collision::core

@@ -1,0 +1,150 @@
+#include "organ_collision/core/sign.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "organ_collision/core/nearest_triangle.h"
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using test::corners;
+using test::randomPoint;
+
+double distance(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
+  const NearestTriangle nearest = nearestTriangle(organ, tip);
+  EXPECT_TRUE(nearest.distance_signed);
+  return nearest.distance;
+}
+
+TEST(Sign, IsNegativeInsideACubeAndPositiveInAllDirectionsOutside) {
+  const CollisionMesh cube(test::cube());
+  EXPECT_EQ(distance(cube, {0.5, 0.5, 0.5}), -0.5);
+  EXPECT_EQ(distance(cube, {-1, -1, 0}), std::sqrt(2.0));
+  EXPECT_EQ(distance(cube, {-1, -1, -1}), std::sqrt(3.0));
+  EXPECT_EQ(distance(cube, {1e-6, 0.5, 0.5}), -1e-6);
+  EXPECT_EQ(distance(cube, {-1e-6, 0.5, 0.5}), 1e-6);
+  EXPECT_EQ(distance(cube, {0, 0.5, 0.5}), 0.0);
+  EXPECT_EQ(distance(CollisionMesh(test::cube(2.0)), {3, 2, 2}), 1.0);
+}
+
+TEST(Sign, OfAMeshThatIsInsideOutIsThatOfTheMeshTurnedRight) {
+  std::vector<Corners> turned = test::cube().triangles();
+  for (Corners& triangle : turned) std::swap(triangle[1], triangle[2]);
+  const CollisionMesh cube(TriangleMesh(test::cube().positions(), turned));
+  ASSERT_TRUE(cube.health().inverted);
+  EXPECT_EQ(distance(cube, {0.5, 0.5, 0.75}), -0.25);
+  const NearestTriangle above = nearestTriangle(cube, Eigen::Vector3d(0.5, 0.25, 2.0));
+  EXPECT_EQ(above.distance, 1.0);
+  EXPECT_EQ(above.normal, Eigen::Vector3d(0, 0, 1));
+}
+
+TEST(Sign, IsNotClaimedForASurfaceThatIsOpenOrWoundBothWays) {
+  const CollisionMesh open(test::grid(4, 4));
+  EXPECT_FALSE(nearestTriangle(open, Eigen::Vector3d(2, 2, -1)).distance_signed);
+  EXPECT_EQ(nearestTriangle(open, Eigen::Vector3d(2, 2, -1)).distance, 1.0);
+  std::vector<Corners> triangles = test::cube().triangles();
+  std::swap(triangles[3][0], triangles[3][1]);
+  const CollisionMesh mixed(TriangleMesh(test::cube().positions(), triangles));
+  EXPECT_FALSE(nearestTriangle(mixed, Eigen::Vector3d(0.5, 0.5, 0.5)).distance_signed);
+}
+
+TEST(Sign, ComesThroughVerticesThatAreSplitInTheFile) {
+  Points points;
+  std::vector<Corners> triangles;
+  const TriangleMesh whole = test::cube();
+  for (const Corners& triangle : whole.triangles()) {
+    const std::size_t first = points.size();
+    for (const VertexId corner : triangle) points.push_back(whole.position(corner));
+    triangles.push_back(corners(first, first + 1, first + 2));
+  }
+  const CollisionMesh cube(TriangleMesh(points, triangles));
+  EXPECT_EQ(distance(cube, {0.5, 0.5, 0.5}), -0.5);
+  EXPECT_EQ(distance(cube, {-1, -1, -1}), std::sqrt(3.0));
+}
+
+TEST(Sign, IsLostWhenWeldedVerticesPartAndComesBackWhenTheyMeet) {
+  Points points = test::cube().positions();
+  points.push_back(points[0]);
+  std::vector<Corners> triangles = test::cube().triangles();
+  triangles[0][0] = static_cast<VertexId>(8);
+  CollisionMesh cube(TriangleMesh(points, triangles));
+  ASSERT_TRUE(cube.health().closed);
+  Points parted = points;
+  parted[8] -= Eigen::Vector3d(0.1, 0, 0);
+  cube.refit(parted);
+  EXPECT_FALSE(cube.health().closed);
+  EXPECT_FALSE(nearestTriangle(cube, Eigen::Vector3d(0.5, 0.5, 0.5)).distance_signed);
+  cube.refit(points);
+  EXPECT_TRUE(nearestTriangle(cube, Eigen::Vector3d(0.5, 0.5, 0.5)).distance_signed);
+}
+
+TEST(Sign, ByPseudonormalEqualsTheWindingNumberEverywhere) {
+  std::mt19937 generator(21);
+  for (const TriangleMesh& mesh : {test::cube(), test::blob(2), test::blob(4)}) {
+    const CollisionMesh organ(mesh);
+    const Box& box = organ.health().box;
+    const double size = (box.high - box.low).maxCoeff();
+    int inside = 0;
+    for (int i = 0; i < 20000; ++i) {
+      Eigen::Vector3d point = 0.5 * (box.low + box.high) + randomPoint(generator, 0.6 * size);
+      if (i % 2 == 0)
+        point = mesh.positions()[generator() % mesh.positions().size()] +
+                randomPoint(generator, 0.01 * size);
+      const bool is_inside = windingNumber(organ, point) != 0;
+      if (is_inside) ++inside;
+      EXPECT_EQ(nearestTriangle(organ, point).distance < 0.0, is_inside);
+    }
+    EXPECT_GT(inside, 1000);
+  }
+}
+
+TEST(WindingNumber, CountsRaysThroughVerticesAndAlongEdgesAndFacesOnce) {
+  const CollisionMesh cube(test::cube());
+  // Every ray from these points along +x grazes vertices, edges or faces of the cube, or runs
+  // within them.
+  for (const double y : {0.0, 0.5, 1.0}) {
+    for (const double z : {0.0, 0.5, 1.0}) EXPECT_EQ(windingNumber(cube, {2, y, z}), 0);
+  }
+  EXPECT_EQ(windingNumber(cube, {0.25, 0.5, 0.5}), 1);  // leaves through a diagonal
+  EXPECT_EQ(windingNumber(cube, {0.25, 0.25, 0.5}), 1);
+  EXPECT_EQ(windingNumber(cube, {-1, 0.5, 0.5}), 0);  // in and out through diagonals
+  EXPECT_EQ(windingNumber(cube, {-1, 1, 1}), 0);      // along an edge
+  EXPECT_EQ(windingNumber(cube, {-1, 0, 0}), 0);
+}
+
+TEST(Sign, HoldsNextToCapsWithoutArea) {
+  // The top splits the edge that it shares with the front (y = 0, z = 1), the front does not: a cap
+  // closes the gap.
+  Points points = test::cube().positions();
+  points.emplace_back(0.25, 0.0, 1.0);
+  std::vector<Corners> triangles = test::cube().triangles();
+  triangles[2] = corners(8, 5, 6);  // with the next: what was 4 5 6
+  triangles.push_back(corners(4, 8, 6));
+  triangles.push_back(corners(4, 5, 8));  // the cap
+  const CollisionMesh cube(TriangleMesh(points, triangles));
+  ASSERT_TRUE(cube.health().isSolid());
+  ASSERT_EQ(cube.health().degenerate_triangles, 1U);
+  std::mt19937 generator(22);
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector3d point = Eigen::Vector3d(0.25, 0.0, 1.0) + randomPoint(generator, 0.2);
+    const bool is_inside = point.y() > 0.0 && point.z() < 1.0 && point.x() > 0.0;
+    EXPECT_EQ(distance(cube, point) < 0.0, is_inside);
+  }
+}
+
+TEST(Pseudonormal, OfACubesVertexIsItsDiagonal) {
+  const CollisionMesh cube(test::cube());
+  const NearestTriangle nearest = nearestTriangle(cube, Eigen::Vector3d(2, 2, 2));
+  EXPECT_LT((nearest.normal - Eigen::Vector3d(1, 1, 1).normalized()).norm(), 1e-15);
+}
+
+TEST(Pseudonormal, OfATriangleWithoutAreaIsZero) {
+  const CollisionMesh needle(TriangleMesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {corners(0, 1, 2)}));
+  EXPECT_EQ(nearestTriangle(needle, Eigen::Vector3d(1, 1, 0)).normal, Eigen::Vector3d(0, 0, 0));
+}
+
+}  // namespace
+}  // namespace organ_collision::core
