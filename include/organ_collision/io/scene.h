@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "organ_collision/core/contact.h"
+#include "organ_collision/io/value.h"
+
+namespace organ_collision::io {
+
+/// A file: package://PACKAGE/PATH or a path.
+struct MeshFile {
+  std::string url;
+  double scale = 1.0;  ///< [m] per unit of the file
+};
+
+/// The collision mesh of a link of the robot description, with that mesh's scale and origin.
+struct RobotLink {
+  std::string name;
+};
+
+struct Organ {
+  std::string name;
+  std::string frame;  ///< tf frame that the vertices are in
+  std::variant<MeshFile, RobotLink> geometry;
+};
+
+struct Instrument {
+  std::string name;
+  std::string frame;  ///< tf frame of the tip
+  core::Tip shape;    ///< [m] in the tip's frame; a point is at its origin
+};
+
+/// Indices into Scene::instruments and Scene::organs.
+struct Pair {
+  std::size_t instrument;
+  std::size_t organ;
+};
+
+/// What the parameter `scene` says: who is compared with whom, and how.
+struct Scene {
+  std::string frame;  ///< tf frame of everything published
+  std::vector<Organ> organs;
+  std::vector<Instrument> instruments;
+  std::vector<Pair> pairs;
+  double max_distance = std::numeric_limits<double>::infinity();  ///< [m]
+  core::Accuracy accuracy;
+  double rate = 1000.0;                            ///< [1/s] most cycles per second
+  double stale_after = 0.1;                        ///< [s]
+  std::optional<std::filesystem::path> mesh_root;  ///< where meshes may be read; none: anywhere
+};
+
+/// The scene that `value`, a map, describes; docs/ros_api.md lists its keys. What is left out has
+/// the defaults above; `frame` is then the first organ's, `pairs` each instrument with each organ.
+/// Throws std::invalid_argument naming the key's path, its value and what was wanted, such as
+/// "scene.organs[1].scale: -2, but it must be a finite number above 0". Unknown keys are refused
+/// too.
+Scene parseScene(const Value& value);
+
+}  // namespace organ_collision::io

@@ -1,0 +1,105 @@
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <functional>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "mesh_draft.h"
+#include "mesh_readers.h"
+
+namespace organ_collision::io {
+namespace {
+
+using Position = std::array<double, 3>;
+
+struct PositionHash {
+  std::size_t operator()(const Position& position) const {
+    const std::hash<double> hash;  // the same for 0 and -0, which are equal
+    std::size_t sum = 0;
+    for (const double coordinate : position) sum = sum * 1'000'003 + hash(coordinate);
+    return sum;
+  }
+};
+
+/// Gathers the meshes of a scene into one; vertices of exactly one position become one, in the
+/// order of first appearance.
+class Gatherer {
+ public:
+  void add(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& root_from_parent) {
+    const Eigen::Matrix4d root_from_node = root_from_parent * matrix(node.mTransformation);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      add(*scene.mMeshes[node.mMeshes[i]], root_from_node);
+    }
+    for (unsigned i = 0; i < node.mNumChildren; ++i) {
+      add(scene, *node.mChildren[i], root_from_node);
+    }
+  }
+
+  core::TriangleMesh mesh() && {
+    return {std::move(draft_.positions), std::move(draft_.triangles)};
+  }
+
+ private:
+  static Eigen::Matrix4d matrix(const aiMatrix4x4& m) {
+    Eigen::Matrix4d result;
+    result << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
+        m.d3, m.d4;
+    return result;
+  }
+
+  void add(const aiMesh& mesh, const Eigen::Matrix4d& root_from_node) {
+    const bool mirrored = root_from_node.topLeftCorner<3, 3>().determinant() < 0.0;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices != 3) continue;  // points and lines
+      std::vector<core::VertexId> corners;
+      for (unsigned k = 0; k < 3; ++k) {
+        corners.push_back(vertex(mesh, face.mIndices[k], root_from_node));
+      }
+      if (mirrored) std::swap(corners[1], corners[2]);
+      addPolygon(draft_, corners);
+    }
+  }
+
+  core::VertexId vertex(const aiMesh& mesh, unsigned i, const Eigen::Matrix4d& root_from_node) {
+    if (i >= mesh.mNumVertices) {
+      throw std::invalid_argument("triangle " + std::to_string(draft_.triangles.size()) +
+                                  " names a vertex that does not exist");
+    }
+    const aiVector3D& in_node = mesh.mVertices[i];
+    const Eigen::Vector3d position =
+        (root_from_node * Eigen::Vector4d(in_node.x, in_node.y, in_node.z, 1.0)).head<3>();
+    const core::VertexId next{static_cast<std::uint32_t>(draft_.positions.size())};
+    const auto [known, is_new] =
+        vertices_.try_emplace({position.x(), position.y(), position.z()}, next);
+    if (is_new) addVertex(draft_, position);
+    return known->second;
+  }
+
+  MeshDraft draft_;
+  std::unordered_map<Position, core::VertexId, PositionHash> vertices_;
+};
+
+}  // namespace
+
+core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    throw std::runtime_error(importer.GetErrorString());
+  }
+  Gatherer gatherer;
+  gatherer.add(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity());
+  return std::move(gatherer).mesh();
+}
+
+}  // namespace organ_collision::io

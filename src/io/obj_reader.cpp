@@ -1,0 +1,58 @@
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "mesh_draft.h"
+#include "mesh_readers.h"
+#include "text_lines.h"
+
+namespace organ_collision::io {
+namespace {
+
+/// Keywords that say nothing about vertices and faces. A word outside this list may be a broken `v`
+/// or `f`, which would shift every later number.
+bool isPassedOver(std::string_view keyword) {
+  static const std::set<std::string_view> kKeywords = {
+      "vn",   "vt",       "vp",       "vw",         "l",         "p",      "t",      "g",
+      "s",    "o",        "mg",       "mtllib",     "usemtl",    "maplib", "usemap", "bevel",
+      "lod",  "c_interp", "d_interp", "shadow_obj", "trace_obj", "cstype", "deg",    "bmat",
+      "step", "curv",     "curv2",    "surf",       "parm",      "trim",   "hole",   "scrv",
+      "sp",   "end",      "con",      "ctech",      "stech"};
+  return kKeywords.count(keyword) > 0;
+}
+
+/// Numbers count from 1, negative ones back from the newest vertex. A number above the count may
+/// name a later vertex: TriangleMesh decides.
+core::VertexId vertexNamed(std::int64_t number, std::size_t count, const TextLines& lines) {
+  const std::int64_t id = number > 0 ? number - 1 : static_cast<std::int64_t>(count) + number;
+  if (number == 0 || id < 0 || id > std::numeric_limits<std::uint32_t>::max()) {
+    lines.refuse("a face names vertex " + std::to_string(number) + ", when there are " +
+                 std::to_string(count) + " so far, counted from 1");
+  }
+  return core::VertexId(static_cast<std::uint32_t>(id));
+}
+
+}  // namespace
+
+core::TriangleMesh readObj(std::string_view text) {
+  MeshDraft draft;
+  std::vector<core::VertexId> corners;
+  for (TextLines lines(text); lines.next();) {
+    const std::string_view keyword = lines.words().front();
+    if (keyword == "v") {
+      addVertex(draft, {lines.real(1), lines.real(2), lines.real(3)});
+    } else if (keyword == "f") {
+      corners.clear();
+      for (std::size_t i = 1; i < lines.words().size(); ++i) {
+        corners.push_back(vertexNamed(lines.integer(i, '/'), draft.positions.size(), lines));
+      }
+      addPolygon(draft, corners);
+    } else if (!isPassedOver(keyword)) {
+      lines.refuse("it begins with no keyword of obj");
+    }
+  }
+  return {std::move(draft.positions), std::move(draft.triangles)};
+}
+
+}  // namespace organ_collision::io

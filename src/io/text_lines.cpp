@@ -1,0 +1,82 @@
+#include "text_lines.h"
+
+#include <charconv>
+#include <stdexcept>
+#include <system_error>
+
+namespace organ_collision::io {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\v\f";
+
+template <typename Number>
+bool parse(std::string_view text, Number& number) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);  // whatever the locale
+  return error == std::errc() && stop == end;
+}
+
+/// At most so much of a word goes into a message: a binary file is one long word.
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text(word.substr(0, kLongest));
+  for (char& letter : text) {
+    if (letter < ' ' || letter > '~') letter = '?';
+  }
+  return "'" + text + (word.size() > kLongest ? "...'" : "'");
+}
+
+void split(std::string_view line, std::vector<std::string_view>& words) {
+  words.clear();
+  for (;;) {
+    const std::size_t begin = line.find_first_not_of(kBlanks);
+    if (begin == std::string_view::npos || line[begin] == '#') return;
+    line.remove_prefix(begin);
+    words.push_back(line.substr(0, line.find_first_of(kBlanks)));
+    line.remove_prefix(words.back().size());
+  }
+}
+
+}  // namespace
+
+bool TextLines::next() {
+  while (!rest_.empty()) {
+    const std::size_t end = rest_.find('\n');
+    split(rest_.substr(0, end), words_);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    ++number_;
+    if (!words_.empty()) return true;
+  }
+  words_.clear();
+  return false;
+}
+
+void TextLines::require(const char* wanted) {
+  if (!next()) refuse(std::string("the file ends here, but ") + wanted + " is wanted");
+}
+
+double TextLines::real(std::size_t i) const {
+  double number = 0.0;
+  if (!parse(word(i), number)) refuse(quoted(word(i)) + " is not a number that a double can hold");
+  return number;
+}
+
+std::int64_t TextLines::integer(std::size_t i, char end) const {
+  std::int64_t number = 0;
+  if (!parse(word(i).substr(0, word(i).find(end)), number))
+    refuse(quoted(word(i)) + " is not an integer");
+  return number;
+}
+
+void TextLines::refuse(const std::string& why) const {
+  throw std::invalid_argument("line " + std::to_string(number_) + ": " + why);
+}
+
+std::string_view TextLines::word(std::size_t i) const {
+  if (i < words_.size()) return words_[i];
+  refuse("it has " + std::to_string(words_.size()) + " words, but " + std::to_string(i + 1) +
+         " or more are wanted");
+}
+
+}  // namespace organ_collision::io

@@ -1,0 +1,138 @@
+#include "io/sandbox.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "temporary_folder.h"
+
+namespace organ_collision::io {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr ChildLimits kLimits{5.0, 100'000'000};
+constexpr double kMuchLater =
+    4.0;  // [s] far above what a stopped child takes, also on a busy machine
+
+std::string run(const std::function<std::string()>& job, const ChildLimits& limits = kLimits) {
+  return runInChild("the job", job, limits);
+}
+
+double secondsOf(const std::function<void()>& action) {
+  const auto begin = std::chrono::steady_clock::now();
+  action();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::ptrdiff_t openFiles() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return std::distance(begin(files), end(files));
+}
+
+[[noreturn]] void sleepForever() {
+  for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
+}
+
+TEST(Sandbox, ReturnsEveryByteOfTheResult) {
+  std::string bytes(5'000'000, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i % 251);
+  EXPECT_EQ(run([&] { return bytes; }), bytes);
+  EXPECT_EQ(run([] { return std::string(); }), "");
+}
+
+TEST(Sandbox, PassesTheMessageOfAnExceptionOn) {
+  const auto job = []() -> std::string { throw std::out_of_range("vertex 7 of 3"); };
+  EXPECT_EQ(messageOf([&] { run(job); }), "the job: vertex 7 of 3");
+  const auto odd_job = []() -> std::string { throw 7; };
+  EXPECT_THAT(messageOf([&] { run(odd_job); }), HasSubstr("no std::exception"));
+}
+
+TEST(Sandbox, SurvivesACrash) {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGKILL}) {
+    const auto job = [signal]() -> std::string {
+      std::raise(signal);
+      return "alive";
+    };
+    EXPECT_EQ(messageOf([&] { run(job); }), std::string("the job: crashed: ") + strsignal(signal));
+  }
+}
+
+TEST(Sandbox, SaysThatTheChildLeftWithoutAnAnswer) {
+  const auto job = []() -> std::string { ::_exit(3); };
+  EXPECT_EQ(messageOf([&] { run(job); }), "the job: ended with exit code 3");
+}
+
+TEST(Sandbox, EndsAHangAtTheLimit) {
+  const auto job = []() -> std::string { sleepForever(); };
+  std::string message;
+  const double seconds = secondsOf([&] {
+    message = messageOf([&] { run(job, {0.1, 1'000'000}); });
+  });
+  EXPECT_EQ(message, "the job: took longer than 0.1 s");
+  EXPECT_GE(seconds, 0.1);
+  EXPECT_LT(seconds, kMuchLater);
+}
+
+TEST(Sandbox, EndsAHangThatIgnoresSignals) {
+  const auto job = []() -> std::string {
+    std::signal(SIGTERM, SIG_IGN);
+    std::signal(SIGINT, SIG_IGN);
+    sleepForever();
+  };
+  EXPECT_LT(secondsOf([&] { messageOf([&] { run(job, {0.1, 1'000'000}); }); }), kMuchLater);
+}
+
+TEST(Sandbox, RefusesAHungryJob) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer needs all addresses: there is no memory limit under it";
+#endif
+  const auto job = [] {
+    std::vector<std::string> blocks;
+    while (blocks.size() < 1000) blocks.emplace_back(1'000'000, 'x');
+    return std::string("fed");
+  };
+  EXPECT_EQ(messageOf([&] { run(job); }), "the job: needs more than 100000000 bytes of memory");
+}
+
+TEST(Sandbox, RefusesALongAnswer) {
+  const auto job = [] { return std::string(3'000'000, 'x'); };
+  EXPECT_THAT(messageOf([&] {
+                run(job, {5.0, 2'000'000});
+              }),
+              AnyOf("the job: needs more than 2000000 bytes of memory",
+                    "the job: answered with more than 2000000 bytes"));
+}
+
+TEST(Sandbox, LeavesNoProcessAndNoFileBehind) {
+  const std::ptrdiff_t before = openFiles();
+  run([] { return std::string("result"); });
+  messageOf([] { run([]() -> std::string { std::abort(); }); });
+  messageOf([] { run([]() -> std::string { sleepForever(); }, {0.05, 1'000'000}); });
+  EXPECT_EQ(openFiles(), before);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+}
+
+TEST(Sandbox, WorksWithWhateverSignalHandlersTheParentHas) {
+  const auto former = std::signal(SIGSEGV, SIG_IGN);
+  const auto job = []() -> std::string {
+    std::raise(SIGSEGV);
+    return "alive";
+  };
+  EXPECT_THAT(messageOf([&] { run(job); }), StartsWith("the job: crashed"));
+  std::signal(SIGSEGV, former);
+}
+
+}  // namespace
+}  // namespace organ_collision::io
