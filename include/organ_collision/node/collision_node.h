@@ -1,0 +1,94 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <organ_collision/ContactArray.h>
+#include <organ_collision/FindNearestTriangle.h>
+#include <organ_collision/GetMesh.h>
+#include <organ_collision/MeshUpdate.h>
+#include <organ_collision/OrganCollisionConfig.h>
+#include <organ_collision/UpdateMesh.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "organ_collision/io/scene.h"
+#include "organ_collision/node/contact_cycle.h"
+
+namespace organ_collision::node {
+
+/// The ROS node. Three kinds of threads: run() hears tf and publishes contacts; the spinner's
+/// threads answer services and take in updates; one thread refits the organs to what was streamed.
+/// They meet in the organs' snapshots only.
+class CollisionNode {
+ public:
+  /// Reads the scene and loads the organs. Throws std::exception naming what is wrong.
+  CollisionNode(ros::NodeHandle node, ros::NodeHandle private_node);
+  ~CollisionNode();
+  CollisionNode(const CollisionNode&) = delete;
+  CollisionNode& operator=(const CollisionNode&) = delete;
+
+  /// Hears tf and publishes contacts until the node is shut down.
+  void run();
+
+ private:
+  void publishContacts();
+  void warn(const std::vector<ContactCycle::Complaint>& complaints);
+  core::Accuracy accuracy() const;
+
+  bool findNearestTriangle(FindNearestTriangle::Request& request,
+                           FindNearestTriangle::Response& response);
+  bool updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response);
+  bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
+  void takeMeshUpdate(const MeshUpdate& update);
+  void applyUpdates();
+  void publishMeshInfo();
+  void publishMarkers();
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  FramePose waitForPose(const Organ& organ, const std_msgs::Header& header) const;
+  Organ& organNamed(const std::string& name) const;
+
+  const io::Scene scene_;
+  const Organs organs_;
+
+  ros::CallbackQueue tf_queue_;  // worked off by run() alone
+  ros::NodeHandle tf_node_;
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_;
+  ContactCycle cycle_;                            // run() alone
+  std::map<std::string, ros::WallTime> warn_at_;  // pairs with a complaint; run() alone
+
+  mutable std::mutex mutex_;  // of the three below
+  core::Accuracy accuracy_;
+  ContactArray last_contacts_;
+  std::vector<ContactCycle::Complaint> complaints_;
+
+  boost::recursive_mutex reconfigure_mutex_;
+  dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::Publisher contacts_publisher_, markers_publisher_, mesh_info_publisher_;
+  std::mutex mesh_info_mutex_;  // so that the latched message is the newest
+  std::mutex markers_mutex_;    // of the two below
+  std::map<std::string, std::uint32_t> drawn_versions_;
+  ros::WallTime surfaces_drawn_;
+
+  std::mutex updates_mutex_;
+  std::condition_variable updates_came_;
+  bool updates_wait_ = false;
+  bool stopping_ = false;
+  std::thread updater_;
+
+  ros::Subscriber mesh_update_subscriber_;
+  std::vector<ros::ServiceServer> services_;
+  std::vector<ros::WallTimer> timers_;
+  ros::AsyncSpinner spinner_;  // last: its threads end before what they use
+};
+
+}  // namespace organ_collision::node

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <organ_collision/ContactArray.h>
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "organ_collision/core/contact.h"
+#include "organ_collision/io/scene.h"
+#include "organ_collision/node/frame_lookup.h"
+#include "organ_collision/node/organ.h"
+
+namespace organ_collision::node {
+
+using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
+
+/// From tip poses to contacts: what the node does when tf has news. Knows tf's buffer, not the
+/// master.
+class ContactCycle {
+ public:
+  /// All three must outlive this. REQUIRES: `organs` are the scene's, in its order.
+  ContactCycle(const io::Scene& scene, const Organs& organs, const tf2::BufferCore& buffer);
+
+  /// Asks tf where the tips are; true if a tip or an organ has moved since the last time.
+  bool lookUpTips();
+
+  /// The contacts of all pairs for the poses last looked up, in the scene's frame.
+  ContactArray contacts(const ros::Time& now, const core::Accuracy& accuracy) const;
+
+  /// What is wrong with a pair's pose; empty if nothing is.
+  struct Complaint {
+    std::string instrument, organ, reason;
+  };
+  std::vector<Complaint> complaints(const ros::Time& now) const;
+
+ private:
+  struct Tracked {
+    std::optional<FramePose> organ_from_tip;  // the last that tf knew
+    std::optional<FramePose> scene_from_organ;
+    std::string reason;         // why tf does not know them now
+    std::uint32_t version = 0;  // of the organ when last looked
+  };
+
+  bool isStale(const Tracked& tracked, const ros::Time& now) const;
+  Contact contactOf(const io::Pair& pair, const Tracked& tracked, const ros::Time& now,
+                    const core::Accuracy& accuracy) const;
+
+  const io::Scene& scene_;
+  const Organs& organs_;
+  const tf2::BufferCore& buffer_;
+  std::vector<Tracked> tracked_;  // of the scene's pairs, in order
+};
+
+}  // namespace organ_collision::node

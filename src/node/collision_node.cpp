@@ -1,0 +1,324 @@
+#include "organ_collision/node/collision_node.h"
+
+#include <organ_collision/MeshInfoArray.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "organ_collision/node/conversions.h"
+#include "organ_collision/node/markers.h"
+#include "organ_collision/node/scene_loader.h"
+
+namespace organ_collision::node {
+namespace {
+
+constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
+constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
+constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
+constexpr double kDiagnosticPeriod = 1.0;   // [s]
+constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
+constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
+constexpr unsigned kSpinnerThreads = 4;  // so that a few large batches do not keep updates waiting
+constexpr unsigned kUpdateQueue =
+    100;  // taken in faster than they come: each is only added to what waits
+
+ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
+  node.setCallbackQueue(&queue);
+  return node;
+}
+
+/// Runs a service's body; what it throws becomes the message of a refusal.
+template <class Response, class Body>
+bool answer(Response& response, Body body) {
+  try {
+    body();
+    response.success = true;
+  } catch (const std::exception& error) {
+    response = Response();
+    response.message = error.what();
+  }
+  return true;
+}
+
+void requireFrame(const std::string& frame, const Organ& organ) {
+  if (frame == organ.frame()) return;
+  throw std::invalid_argument("frame_id is '" + frame + "', but the mesh of " + organ.name() +
+                              " is in '" + organ.frame() + "'");
+}
+
+}  // namespace
+
+CollisionNode::CollisionNode(ros::NodeHandle node, ros::NodeHandle private_node)
+    : scene_(readScene(private_node)),
+      organs_(loadOrgans(scene_, node)),
+      tf_node_(onQueue(node, tf_queue_)),
+      listener_(buffer_, tf_node_, false, ros::TransportHints().tcpNoDelay()),
+      cycle_(scene_, organs_, buffer_),
+      accuracy_(scene_.accuracy),
+      reconfigure_(reconfigure_mutex_, private_node),
+      diagnostics_(node, private_node, ros::this_node::getName()),
+      spinner_(kSpinnerThreads) {
+  buffer_.setUsingDedicatedThread(true);  // run() is it
+
+  OrganCollisionConfig config;
+  config.max_relative_error = scene_.accuracy.max_relative_error;
+  config.max_absolute_error = scene_.accuracy.max_absolute_error;
+  config.max_leaves = static_cast<int>(scene_.accuracy.max_leaves);
+  reconfigure_.updateConfig(config);
+  reconfigure_.setCallback([this](OrganCollisionConfig& wanted, std::uint32_t) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    accuracy_ = {wanted.max_relative_error, wanted.max_absolute_error,
+                 static_cast<std::uint32_t>(wanted.max_leaves)};
+  });
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("contacts", this, &CollisionNode::diagnose);
+
+  contacts_publisher_ = private_node.advertise<ContactArray>("contacts", 10);
+  markers_publisher_ = private_node.advertise<visualization_msgs::MarkerArray>("markers", 2);
+  mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
+  publishMeshInfo();
+
+  updater_ = std::thread(&CollisionNode::applyUpdates, this);
+  mesh_update_subscriber_ =
+      private_node.subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
+                             ros::TransportHints().tcpNoDelay());
+  services_ = {private_node.advertiseService("find_nearest_triangle",
+                                             &CollisionNode::findNearestTriangle, this),
+               private_node.advertiseService("update_mesh", &CollisionNode::updateMesh, this),
+               private_node.advertiseService("get_mesh", &CollisionNode::getMesh, this)};
+  timers_ = {
+      private_node.createWallTimer(ros::WallDuration(kMarkerPeriod),
+                                   [this](const ros::WallTimerEvent&) { publishMarkers(); }),
+      private_node.createWallTimer(ros::WallDuration(kDiagnosticPeriod),
+                                   [this](const ros::WallTimerEvent&) { diagnostics_.update(); })};
+  spinner_.start();
+  ROS_INFO("%zu organs, %zu instruments, %zu pairs: ready", scene_.organs.size(),
+           scene_.instruments.size(), scene_.pairs.size());
+}
+
+CollisionNode::~CollisionNode() {
+  spinner_.stop();
+  {
+    const std::lock_guard<std::mutex> lock(updates_mutex_);
+    stopping_ = true;
+  }
+  updates_came_.notify_one();
+  updater_.join();
+}
+
+void CollisionNode::run() {
+  const ros::WallDuration shortest(1.0 / scene_.rate);
+  ros::WallTime last_cycle;
+  ros::WallTime last_published;
+  while (ros::ok()) {
+    tf_queue_.callAvailable(ros::WallDuration(kHeartbeat));
+    const ros::WallTime now = ros::WallTime::now();
+    const ros::WallDuration too_early = shortest - (now - last_cycle);
+    if (too_early > ros::WallDuration(0)) {
+      too_early.sleep();
+      tf_queue_.callAvailable();
+    }
+    last_cycle = ros::WallTime::now();
+    const bool heartbeat = (last_cycle - last_published).toSec() >= kHeartbeat;
+    if (!cycle_.lookUpTips() && !heartbeat) continue;
+    publishContacts();
+    last_published = last_cycle;
+  }
+}
+
+void CollisionNode::publishContacts() {
+  const ros::Time now = ros::Time::now();
+  ContactArray contacts = cycle_.contacts(now, accuracy());
+  contacts_publisher_.publish(contacts);
+  std::vector<ContactCycle::Complaint> complaints = cycle_.complaints(now);
+  warn(complaints);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_contacts_ = std::move(contacts);
+  complaints_ = std::move(complaints);
+}
+
+void CollisionNode::warn(const std::vector<ContactCycle::Complaint>& complaints) {
+  const ros::WallTime now = ros::WallTime::now();
+  std::map<std::string, ros::WallTime> warn_at;
+  for (const ContactCycle::Complaint& complaint : complaints) {
+    const std::string pair = complaint.instrument + " to " + complaint.organ;
+    const auto known = warn_at_.find(pair);
+    ros::WallTime& due = warn_at[pair] =
+        known == warn_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
+    if (now < due) continue;
+    due = now + ros::WallDuration(kWarningPeriod);
+    ROS_WARN("%s: %s", pair.c_str(), complaint.reason.c_str());
+  }
+  warn_at_ = std::move(warn_at);  // who has nothing to complain of any more starts anew
+}
+
+core::Accuracy CollisionNode::accuracy() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return accuracy_;
+}
+
+Organ& CollisionNode::organNamed(const std::string& name) const {
+  if (name.empty() && organs_.size() == 1) return *organs_.front();
+  std::string known;
+  for (const auto& organ : organs_) {
+    if (organ->name() == name) return *organ;
+    known += (known.empty() ? "" : ", ") + organ->name();
+  }
+  throw std::invalid_argument("there is no organ '" + name + "'; known: " + known);
+}
+
+FramePose CollisionNode::waitForPose(const Organ& organ, const std_msgs::Header& header) const {
+  if (header.frame_id != organ.frame()) {
+    // A transform of just now may still be on its way.
+    buffer_.canTransform(organ.frame(), header.frame_id, header.stamp,
+                         ros::Duration(scene_.stale_after));
+  }
+  const FrameLookup lookup = lookUpFrame(buffer_, organ.frame(), header.frame_id, header.stamp);
+  if (lookup.pose) return *lookup.pose;
+  throw std::invalid_argument("no transform from frame_id '" + header.frame_id + "' to '" +
+                              organ.frame() + "': " + lookup.reason);
+}
+
+bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
+                                        FindNearestTriangle::Response& response) {
+  return answer(response, [&] {
+    Organ& organ = organNamed(request.organ);
+    const core::Accuracy accuracy = fromMessage(request.accuracy);
+    const FramePose pose = waitForPose(organ, request.header);
+    const Eigen::Isometry3d& organ_from_points = pose.target_from_source;
+    const Eigen::Isometry3d points_from_organ = organ_from_points.inverse();
+    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+    response.mesh_version = snapshot->version;
+    response.header.frame_id = request.header.frame_id;
+    response.header.stamp = pose.stamp;
+    response.nearest.reserve(request.points.size());
+    for (std::size_t i = 0; i < request.points.size(); ++i) {
+      const Eigen::Vector3d point = fromPoint(request.points[i]);
+      core::requireUsable(point, "point", i);
+      const core::NearestTriangle nearest =
+          core::nearestTriangle(snapshot->organ, organ_from_points * point, accuracy);
+      response.nearest.push_back(toMessage(nearest, points_from_organ));
+    }
+  });
+}
+
+bool CollisionNode::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response) {
+  return answer(response, [&] {
+    Organ& organ = organNamed(request.organ);
+    requireFrame(request.header.frame_id, organ);
+    if (request.mode > UpdateMesh::Request::REBUILD) {
+      throw std::invalid_argument("mode is " + std::to_string(request.mode) +
+                                  ": AUTO is 0, REFIT 1, REBUILD 2");
+    }
+    const auto applied =
+        request.triangles.empty()
+            ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
+                           request.expected_version)
+            : organ.replace(meshFrom(request), request.expected_version);
+    publishMeshInfo();
+    response.message = applied->reason;
+    response.mesh_version = applied->version;
+    response.action = static_cast<std::uint8_t>(applied->last_action);
+    response.duration = applied->last_duration;
+  });
+}
+
+bool CollisionNode::getMesh(GetMesh::Request& request, GetMesh::Response& response) {
+  return answer(response, [&] {
+    const Organ& organ = organNamed(request.organ);
+    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+    response.frame_id = organ.frame();
+    response.mesh_version = snapshot->version;
+    response.mesh = toMessage(snapshot->organ.mesh());
+  });
+}
+
+void CollisionNode::takeMeshUpdate(const MeshUpdate& update) {
+  try {
+    Organ& organ = organNamed(update.organ);
+    requireFrame(update.header.frame_id, organ);
+    organ.enqueue(movesFrom(update));
+  } catch (const std::exception& error) {
+    ROS_ERROR_THROTTLE(kWarningPeriod, "refused an update of the mesh of '%s': %s",
+                       update.organ.c_str(), error.what());
+    return;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(updates_mutex_);
+    updates_wait_ = true;
+  }
+  updates_came_.notify_one();
+}
+
+void CollisionNode::applyUpdates() {
+  while (true) {
+    {
+      std::unique_lock<std::mutex> lock(updates_mutex_);
+      updates_came_.wait(lock, [this] { return updates_wait_ || stopping_; });
+      if (stopping_) return;
+      updates_wait_ = false;
+    }
+    bool applied = false;
+    for (const auto& organ : organs_) applied = organ->applyEnqueued() || applied;
+    if (applied) publishMeshInfo();
+  }
+}
+
+void CollisionNode::publishMeshInfo() {
+  const std::lock_guard<std::mutex> lock(mesh_info_mutex_);
+  MeshInfoArray array;
+  for (const auto& organ : organs_) {
+    array.meshes.push_back(toMessage(*organ));
+    array.meshes.back().header.stamp = ros::Time::now();
+  }
+  mesh_info_publisher_.publish(array);
+}
+
+void CollisionNode::publishMarkers() {
+  const std::unique_lock<std::mutex> drawing(markers_mutex_, std::try_to_lock);
+  if (!drawing || markers_publisher_.getNumSubscribers() == 0) return;
+  ContactArray contacts;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    contacts = last_contacts_;
+  }
+  visualization_msgs::MarkerArray markers = contactMarkers(contacts, scene_, organs_);
+  const ros::WallTime now = ros::WallTime::now();
+  const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
+  if (redraw) surfaces_drawn_ = now;
+  for (const auto& organ : organs_) {
+    std::uint32_t& drawn = drawn_versions_[organ->name()];
+    const std::uint32_t version = organ->snapshot()->version;
+    if (!redraw && drawn == version) continue;
+    drawn = version;
+    markers.markers.push_back(surfaceMarker(*organ));
+  }
+  markers_publisher_.publish(markers);
+}
+
+void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
+  for (const ContactCycle::Complaint& complaint : complaints_) {
+    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                        complaint.instrument + ": " + complaint.reason);
+  }
+  status.add("computation time of the last cycle [us]", 1e6 * last_contacts_.computation_time);
+  for (const auto& organ : organs_) {
+    const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
+    for (const std::string& sentence : core::warnings(snapshot->organ.health())) {
+      status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, organ->name() + ": " + sentence);
+    }
+    const Organ::Counters counters = organ->counters();
+    status.add(organ->name() + " mesh version", snapshot->version);
+    status.add(organ->name() + " last action", snapshot->reason);
+    status.add(organ->name() + " cost ratio", organ->costRatio());
+    status.add(organ->name() + " updates merged", counters.updates_merged);
+    status.add(organ->name() + " updates lost", counters.updates_lost);
+  }
+}
+
+}  // namespace organ_collision::node

@@ -1,0 +1,149 @@
+#include "organ_collision/node/markers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "organ_collision/core/sign.h"
+#include "organ_collision/node/conversions.h"
+
+namespace organ_collision::node {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr double kLineWidth = 0.0008;     // [m]
+constexpr double kOutlineWidth = 0.0015;  // [m]
+constexpr double kNormalLength = 0.02;    // [m]
+constexpr double kTextHeight = 0.008;     // [m]
+constexpr double kLift = 0.0003;          // [m] above the surface, so that it does not show through
+
+std_msgs::ColorRGBA colour(double red, double green, double blue, double alpha = 1.0) {
+  std_msgs::ColorRGBA result;
+  result.r = static_cast<float>(red);
+  result.g = static_cast<float>(green);
+  result.b = static_cast<float>(blue);
+  result.a = static_cast<float>(alpha);
+  return result;
+}
+
+std_msgs::ColorRGBA instrumentColour(std::size_t instrument) {
+  static const std::array<std_msgs::ColorRGBA, 6> colours = {
+      colour(1.0, 0.9, 0.0), colour(0.1, 1.0, 0.2), colour(0.2, 0.7, 1.0),
+      colour(1.0, 0.5, 0.0), colour(0.9, 0.3, 1.0), colour(1.0, 1.0, 1.0)};
+  return colours[instrument % colours.size()];
+}
+
+Marker marker(const std::string& frame, const std::string& what, std::size_t id, int type,
+              const std_msgs::ColorRGBA& colour) {
+  Marker result;
+  result.header.frame_id = frame;  // stamp zero: where the frame is now
+  result.ns = what;
+  result.id = static_cast<int>(id);
+  result.type = type;
+  result.color = colour;
+  result.pose.orientation.w = 1.0;
+  return result;
+}
+
+std::array<geometry_msgs::Point, 3> liftedCorners(const core::CollisionMesh& mesh,
+                                                  std::size_t triangle,
+                                                  const Eigen::Vector3d& lift) {
+  const core::Triangle corners = mesh.mesh().triangle(static_cast<core::TriangleId>(triangle));
+  return {toPoint(corners.a + lift), toPoint(corners.b + lift), toPoint(corners.c + lift)};
+}
+
+/// Filled and outlined, in the organ's frame; the outline keeps small triangles in sight.
+void addTriangle(visualization_msgs::MarkerArray& array, std::size_t id, const Organ& organ,
+                 std::size_t triangle, const std_msgs::ColorRGBA& colour) {
+  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+  if (triangle >= snapshot->organ.mesh().triangleCount()) return;  // of a former topology
+  const Eigen::Vector3d normal = core::pseudonormal(
+      snapshot->organ, static_cast<core::TriangleId>(triangle), core::Feature::kFace);
+  Marker filled = marker(organ.frame(), "nearest_triangle", id, Marker::TRIANGLE_LIST, colour);
+  filled.scale.x = filled.scale.y = filled.scale.z = 1.0;
+  for (const auto& corner : liftedCorners(snapshot->organ, triangle, kLift * normal))
+    filled.points.push_back(corner);
+  Marker outline =
+      marker(organ.frame(), "nearest_triangle_outline", id, Marker::LINE_STRIP, colour);
+  outline.scale.x = kOutlineWidth;
+  outline.points = filled.points;
+  outline.points.push_back(outline.points.front());
+  array.markers.push_back(filled);
+  array.markers.push_back(outline);
+}
+
+void addLine(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
+             const Contact& contact, const std_msgs::ColorRGBA& colour) {
+  Marker line = marker(frame, "tip_to_organ", id, Marker::LINE_LIST, colour);
+  line.scale.x = kLineWidth;
+  line.points = {contact.instrument_point, contact.nearest.point};
+  array.markers.push_back(line);
+}
+
+void addNormal(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
+               const NearestTriangle& nearest) {
+  Marker arrow = marker(frame, "normal", id, Marker::ARROW, colour(0.9, 0.9, 0.9));
+  arrow.scale.x = kLineWidth;
+  arrow.scale.y = 3.0 * kLineWidth;
+  geometry_msgs::Point end = nearest.point;
+  end.x += kNormalLength * nearest.normal.x;
+  end.y += kNormalLength * nearest.normal.y;
+  end.z += kNormalLength * nearest.normal.z;
+  arrow.points = {nearest.point, end};
+  array.markers.push_back(arrow);
+}
+
+void addText(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
+             const Contact& contact) {
+  const bool alarming = contact.colliding || contact.status != Contact::OK;
+  Marker text = marker(frame, "distance", id, Marker::TEXT_VIEW_FACING,
+                       alarming ? colour(1, 0.3, 0.2) : colour(1, 1, 1));
+  text.scale.z = kTextHeight;
+  text.pose.position = contact.instrument_point;
+  text.pose.position.z += 2.0 * kTextHeight;
+  std::array<char, 128> words{};
+  std::snprintf(words.data(), words.size(), "%s %.1f mm%s%s", contact.instrument.c_str(),
+                1e3 * contact.nearest.distance, contact.colliding ? ", touching" : "",
+                contact.status == Contact::STALE ? ", stale" : "");
+  text.text = words.data();
+  array.markers.push_back(text);
+}
+
+}  // namespace
+
+Marker surfaceMarker(const Organ& organ) {
+  Marker surface = marker(organ.frame(), "surface_of_" + organ.name(), 0, Marker::TRIANGLE_LIST,
+                          colour(0.55, 0.16, 0.12));
+  surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
+  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+  const core::TriangleMesh& mesh = snapshot->organ.mesh();
+  surface.points.reserve(3 * mesh.triangleCount());
+  for (const core::Corners& corners : mesh.triangles()) {
+    for (const core::VertexId corner : corners)
+      surface.points.push_back(toPoint(mesh.position(corner)));
+  }
+  return surface;
+}
+
+visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, const io::Scene& scene,
+                                               const Organs& organs) {
+  visualization_msgs::MarkerArray array;
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
+    const Contact& contact = contacts.contacts[i];
+    const io::Pair& pair = scene.pairs[i];
+    const std::string& frame = contacts.header.frame_id;
+    if (!std::isfinite(contact.nearest.distance)) continue;
+    const std_msgs::ColorRGBA colour = instrumentColour(pair.instrument);
+    addTriangle(array, i, *organs[pair.organ], contact.nearest.triangle, colour);
+    addLine(array, i, frame, contact, colour);
+    addNormal(array, i, frame, contact.nearest);
+    addText(array, i, frame, contact);
+  }
+  // What is not drawn again goes away.
+  for (Marker& each : array.markers) each.lifetime = ros::Duration(0.5);
+  return array;
+}
+
+}  // namespace organ_collision::node

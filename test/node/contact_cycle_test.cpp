@@ -1,0 +1,162 @@
+#include "organ_collision/node/contact_cycle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "test_meshes.h"
+
+namespace organ_collision::node {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A unit cube in frame `liver` and two point tips, without a master.
+class ContactCycleTest : public testing::Test {
+ protected:
+  ContactCycleTest() {
+    organs_.push_back(std::make_unique<Organ>("liver", "liver", test::cube()));
+    place("world", "liver", {10, 0, 0}, ros::Time(0), true);
+  }
+
+  void place(const std::string& parent, const std::string& child, const Eigen::Vector3d& at,
+             const ros::Time& stamp, bool is_static = false) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = parent;
+    transform.header.stamp = stamp;
+    transform.child_frame_id = child;
+    transform.transform.translation.x = at.x();
+    transform.transform.translation.y = at.y();
+    transform.transform.translation.z = at.z();
+    transform.transform.rotation.w = 1.0;
+    ASSERT_TRUE(buffer_.setTransform(transform, "test", is_static));
+  }
+
+  ContactArray contacts(const ros::Time& now) {
+    cycle_.lookUpTips();
+    return cycle_.contacts(now, {});
+  }
+
+  static io::Scene twoInstruments() {
+    const Eigen::Vector3d origin(0, 0, 0);
+    io::Scene scene;
+    scene.frame = "world";
+    scene.organs = {{"liver", "liver", io::MeshFile{"unused", 1.0}}};
+    scene.instruments = {{"left", "left_tip", origin}, {"right", "right_tip", origin}};
+    scene.pairs = {{0, 0}, {1, 0}};
+    return scene;
+  }
+
+  io::Scene scene_ = twoInstruments();
+  Organs organs_;
+  tf2::BufferCore buffer_;
+  ContactCycle cycle_{scene_, organs_, buffer_};
+};
+
+TEST_F(ContactCycleTest, TellsContactsInTheScenesFrameWithTheStampOfTheTip) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  place("world", "right_tip", {10.25, 0.5, 0.5}, ros::Time(100.5));
+  const ContactArray array = contacts(ros::Time(100.52));
+  ASSERT_EQ(array.contacts.size(), 2U);
+  EXPECT_EQ(array.header.frame_id, "world");
+  EXPECT_EQ(array.header.stamp, ros::Time(100.5));
+  const Contact& left = array.contacts[0];
+  EXPECT_EQ(left.instrument, "left");
+  EXPECT_EQ(left.organ, "liver");
+  EXPECT_EQ(left.stamp, ros::Time(100.0));
+  EXPECT_EQ(left.nearest.distance, 2.0);
+  EXPECT_EQ(left.nearest.point.x, 10.5);
+  EXPECT_EQ(left.nearest.normal.z, 1.0);
+  EXPECT_EQ(left.instrument_point.x, 10.5);
+  EXPECT_EQ(left.instrument_point.z, 3.0);
+  EXPECT_FALSE(left.colliding);
+  const Contact& right = array.contacts[1];
+  EXPECT_EQ(right.status, Contact::OK);
+  EXPECT_NEAR(right.age.toSec(), 0.02, 1e-9);
+  EXPECT_EQ(right.nearest.distance, -0.25);
+  EXPECT_TRUE(right.colliding);
+  EXPECT_TRUE(right.colliding_certain);
+}
+
+TEST_F(ContactCycleTest, SaysNoPoseAndInfinityUntilTheFrameIsThere) {
+  const Contact contact = contacts(ros::Time(1.0)).contacts[0];
+  EXPECT_EQ(contact.status, Contact::NO_POSE);
+  EXPECT_EQ(contact.nearest.distance, kInfinity);
+  EXPECT_EQ(contact.nearest.upper_bound, kInfinity);
+  EXPECT_EQ(contact.nearest.lower_bound, 0.0);
+  EXPECT_FALSE(contact.colliding);
+  ASSERT_EQ(cycle_.complaints(ros::Time(1.0)).size(), 2U);
+  EXPECT_NE(cycle_.complaints(ros::Time(1.0))[0].reason.find("left_tip"), std::string::npos);
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(1.0));
+  EXPECT_EQ(contacts(ros::Time(1.01)).contacts[0].status, Contact::OK);
+}
+
+TEST_F(ContactCycleTest, RepeatsAnOldPosesAnswerAsStaleWithItsAge) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_EQ(contacts(ros::Time(100.09)).contacts[0].status, Contact::OK);
+  const Contact stale = contacts(ros::Time(100.5)).contacts[0];
+  EXPECT_EQ(stale.status, Contact::STALE);
+  EXPECT_EQ(stale.nearest.distance, 2.0);
+  EXPECT_EQ(stale.age.toSec(), 0.5);
+}
+
+TEST_F(ContactCycleTest, IsStaleAtOnceWhenTfForgetsTheTip) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  contacts(ros::Time(100.01));
+  buffer_.clear();  // what tf's listener does when time jumps back
+  const Contact stale = contacts(ros::Time(50.0)).contacts[0];
+  EXPECT_EQ(stale.status, Contact::STALE);
+  EXPECT_EQ(stale.nearest.distance, 2.0);
+  place("world", "liver", {10, 0, 0}, ros::Time(0), true);
+  place("liver", "left_tip", {0.5, 0.5, 2.0}, ros::Time(50.0));
+  const Contact recovered = contacts(ros::Time(50.01)).contacts[0];
+  EXPECT_EQ(recovered.status, Contact::OK);
+  EXPECT_EQ(recovered.nearest.distance, 1.0);
+}
+
+TEST_F(ContactCycleTest, AStaticTipIsNeverStale) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(5.0), true);
+  const Contact contact = contacts(ros::Time(1e6)).contacts[0];
+  EXPECT_EQ(contact.status, Contact::OK);
+  EXPECT_TRUE(contact.stamp.isZero());
+  EXPECT_TRUE(contact.age.isZero());
+}
+
+TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
+  scene_.max_distance = 1.0;
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  const Contact contact = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(contact.status, Contact::OUT_OF_RANGE);
+  EXPECT_EQ(contact.nearest.distance, kInfinity);
+  EXPECT_EQ(contact.nearest.lower_bound, 2.0);
+  EXPECT_FALSE(contact.colliding);
+}
+
+TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_TRUE(cycle_.lookUpTips());
+  EXPECT_FALSE(cycle_.lookUpTips());
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.1));
+  EXPECT_TRUE(cycle_.lookUpTips());
+  EXPECT_FALSE(cycle_.lookUpTips());
+  organs_[0]->update({{7}, {{1, 1, 2}}}, UpdateMode::kAuto, 0);
+  EXPECT_TRUE(cycle_.lookUpTips());
+}
+
+TEST_F(ContactCycleTest, MeasuresATriangleTipWhole) {
+  scene_.instruments[0].shape = core::Triangle{{0, 0, 0}, {0, 0, -1}, {0.1, 0, 0}};
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  const Contact contact = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(contact.nearest.distance, 1.0);
+  EXPECT_EQ(contact.instrument_point.z, 2.0);
+}
+
+TEST_F(ContactCycleTest, WithoutAWayToTheScenesFrameThereIsNoPose) {
+  scene_.frame = "nowhere";
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_EQ(contacts(ros::Time(100.0)).contacts[0].status, Contact::NO_POSE);
+}
+
+}  // namespace
+}  // namespace organ_collision::node
