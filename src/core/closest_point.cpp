@@ -39,7 +39,8 @@ struct Candidate {
 
 /// Ties are decided by coordinates, so that the order of the corners is forgotten.
 bool isNearer(const Corner& left, const Corner& right) {
-  if (left.squared_distance != right.squared_distance) return left.squared_distance < right.squared_distance;
+  if (left.squared_distance != right.squared_distance)
+    return left.squared_distance < right.squared_distance;
   const Vector3d& p = left.position;
   const Vector3d& q = right.position;
   return std::tie(p.x(), p.y(), p.z()) < std::tie(q.x(), q.y(), q.z());
@@ -76,7 +77,13 @@ std::optional<Candidate> insideEdge(const Corner& nearer, const Corner& farther)
   return candidate;
 }
 
-/// The point nearest to the query, if that is inside the face. The edges at `base` are the shorter ones.
+/// False only where there is an area for sure.
+bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
+  return squaredLength(e1.cross(e2)) <= kPerhapsFlat * squaredLength(e1) * squaredLength(e2);
+}
+
+/// The point nearest to the query, if that is inside the face. The edges at `base` are the shorter
+/// ones.
 std::optional<Candidate> insideFace(const Corner& base, const Corner& left, const Corner& right) {
   const Vector3d to_left = left.position - base.position;
   const Vector3d to_right = right.position - base.position;
@@ -86,11 +93,8 @@ std::optional<Candidate> insideFace(const Corner& base, const Corner& left, cons
   const double t = weights->y();
   const double rest = 1 - (s + t);
   if (!(s > 0 && t > 0 && rest > 0)) return std::nullopt;
-  const double perhaps_flat = kPerhapsFlat * squaredLength(to_left) * squaredLength(to_right);
-  if (squaredLength(to_left.cross(to_right)) <= perhaps_flat &&
-      collinear(base.position, left.position, right.position)) {
+  if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return std::nullopt;
-  }
   Candidate candidate = stepFrom(base, s * to_left + t * to_right);
   candidate.barycentric[base.slot] = rest;
   candidate.barycentric[left.slot] = s;
@@ -103,15 +107,18 @@ std::optional<Candidate> insideFace(const Corners3& corners) {
   const double opposite_near = squaredLength(far.position - middle.position);
   const double opposite_middle = squaredLength(far.position - near.position);
   const double opposite_far = squaredLength(middle.position - near.position);
-  if (opposite_near >= opposite_middle && opposite_near >= opposite_far) return insideFace(near, middle, far);
+  if (opposite_near >= opposite_middle && opposite_near >= opposite_far)
+    return insideFace(near, middle, far);
   if (opposite_middle >= opposite_far) return insideFace(middle, near, far);
   return insideFace(far, near, middle);
 }
 
 Feature featureOf(const Vector3d& barycentric) {
-  constexpr std::array<Feature, 8> kFeatures{Feature::kFace,    Feature::kVertexA, Feature::kVertexB, Feature::kEdgeAB,
-                                             Feature::kVertexC, Feature::kEdgeCA,  Feature::kEdgeBC,  Feature::kFace};
-  return kFeatures[(barycentric.x() > 0 ? 1U : 0U) | (barycentric.y() > 0 ? 2U : 0U) | (barycentric.z() > 0 ? 4U : 0U)];
+  constexpr std::array<Feature, 8> kFeatures{Feature::kFace,   Feature::kVertexA, Feature::kVertexB,
+                                             Feature::kEdgeAB, Feature::kVertexC, Feature::kEdgeCA,
+                                             Feature::kEdgeBC, Feature::kFace};
+  return kFeatures[(barycentric.x() > 0 ? 1U : 0U) | (barycentric.y() > 0 ? 2U : 0U) |
+                   (barycentric.z() > 0 ? 4U : 0U)];
 }
 
 }  // namespace

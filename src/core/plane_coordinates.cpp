@@ -15,9 +15,11 @@ using Eigen::Vector3d;
 // Between these squared lengths [m^2] the products of four lengths neither overflow nor underflow.
 constexpr double kShortestSafe = 0x1p-200;
 constexpr double kLongestSafe = 0x1p+200;
-// sin^2 of 30 degrees: between edges further from parallel than this, plain products are accurate enough.
+// sin^2 of 30 degrees: between edges further from parallel than this, plain products are accurate
+// enough.
 constexpr double kWellShaped = 0.25;
-// Where no more than 2^-20 of a vector is left over, the rounding errors along the plane are no longer lost in it.
+// Where no more than 2^-20 of a vector is left over, the rounding errors along the plane are no
+// longer lost in it.
 constexpr double kNearlyNothing = 0x1p-40;
 
 /// x*y - z*w with a relative error of at most 1.5 * 2^-52.
@@ -26,7 +28,8 @@ double differenceOfProducts(double x, double y, double z, double w) {
   return std::fma(x, y, -zw) + std::fma(-z, w, zw);
 }
 
-/// A power of two that brings the largest coordinate of the two near 1. REQUIRES: they are not both 0.
+/// A power of two that brings the largest coordinate of the two near 1. REQUIRES: they are not both
+/// 0.
 double normalisingFactor(const Vector3d& e1, const Vector3d& e2) {
   const double largest = std::max(e1.lpNorm<Eigen::Infinity>(), e2.lpNorm<Eigen::Infinity>());
   return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
@@ -51,7 +54,8 @@ struct Plane {
 Plane planeOf(const Vector3d& e1, const Vector3d& e2) {
   const Vector3d plain = e1.cross(e2);
   const double squared = squaredLength(plain);
-  if (squared > kWellShaped * squaredLength(e1) * squaredLength(e2)) return {e1, e2, plain, squared, true};
+  if (squared > kWellShaped * squaredLength(e1) * squaredLength(e2))
+    return {e1, e2, plain, squared, true};
   const Vector3d accurate = accurateCross(e1, e2);
   return {e1, e2, accurate, squaredLength(accurate), false};
 }
@@ -59,7 +63,8 @@ Plane planeOf(const Vector3d& e1, const Vector3d& e2) {
 }  // namespace
 
 Vector3d accurateCross(const Vector3d& v, const Vector3d& w) {
-  return {differenceOfProducts(v.y(), w.z(), v.z(), w.y()), differenceOfProducts(v.z(), w.x(), v.x(), w.z()),
+  return {differenceOfProducts(v.y(), w.z(), v.z(), w.y()),
+          differenceOfProducts(v.z(), w.x(), v.x(), w.z()),
           differenceOfProducts(v.x(), w.y(), v.y(), w.x())};
 }
 
@@ -71,7 +76,8 @@ double lineCoordinate(const Vector3d& v, const Vector3d& e) {
   return t + rest.dot(e) / squared;
 }
 
-std::optional<Vector2d> planeCoordinates(const Vector3d& v, const Vector3d& e1, const Vector3d& e2) {
+std::optional<Vector2d> planeCoordinates(const Vector3d& v, const Vector3d& e1,
+                                         const Vector3d& e2) {
   const double longest = std::max(squaredLength(e1), squaredLength(e2));
   if (longest < kShortestSafe || longest > kLongestSafe) {
     if (e1.isZero(0) && e2.isZero(0)) return std::nullopt;

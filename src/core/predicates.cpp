@@ -11,16 +11,19 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Shewchuk's bounds on the rounding error of a determinant, relative to the sum of the magnitudes of its terms.
+// Shewchuk's bounds on the rounding error of a determinant, relative to the sum of the magnitudes
+// of its terms.
 constexpr double kUnit = 0x1p-53;
 constexpr double kErrorOf2d = (3 + 16 * kUnit) * kUnit;
 constexpr double kErrorOf3d = (7 + 56 * kUnit) * kUnit;
-// Above this sum of magnitudes no underflow of a product counts, even when multiplied by the largest coordinate.
+// Above this sum of magnitudes no underflow of a product counts, even when multiplied by the
+// largest coordinate.
 constexpr double kNoUnderflow = 0x1p-400;
 
 int signOf(double x) { return (x > 0 ? 1 : 0) - (x < 0 ? 1 : 0); }
 
-/// A sum that is never rounded: terms of ascending magnitude whose bits do not overlap (Shewchuk's expansion).
+/// A sum that is never rounded: terms of ascending magnitude whose bits do not overlap (Shewchuk's
+/// expansion).
 class ExactSum {
  public:
   void add(double x) {
@@ -53,7 +56,8 @@ class ExactSum {
   std::size_t size_ = 0;
 };
 
-/// head + tail = v - w without rounding, but for a factor that is a power of two and brings the head near 1.
+/// head + tail = v - w without rounding, but for a factor that is a power of two and brings the
+/// head near 1.
 class ExactDifference {
  public:
   ExactDifference(const Vector3d& v, const Vector3d& w) : head_(v - w) {
@@ -103,7 +107,8 @@ int orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const double right = p.y() * q.x();
   const double magnitude = std::abs(left) + std::abs(right);
   const double determinant = left - right;
-  if (magnitude > kNoUnderflow && std::abs(determinant) > kErrorOf2d * magnitude) return signOf(determinant);
+  if (magnitude > kNoUnderflow && std::abs(determinant) > kErrorOf2d * magnitude)
+    return signOf(determinant);
   const auto flat = [](const Vector2d& v) { return Vector3d(v.x(), v.y(), 0); };
   return exactSign({flat(b), flat(a)}, {flat(c), flat(a)}, {Vector3d::UnitZ(), Vector3d::Zero()});
 }
@@ -122,7 +127,8 @@ int orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c, const V
     determinant += p[i] * (left - right);
     magnitude += std::abs(p[i]) * (std::abs(left) + std::abs(right));
   }
-  if (magnitude > kNoUnderflow && std::abs(determinant) > kErrorOf3d * magnitude) return signOf(determinant);
+  if (magnitude > kNoUnderflow && std::abs(determinant) > kErrorOf3d * magnitude)
+    return signOf(determinant);
   return exactSign({b, a}, {c, a}, {d, a});
 }
 

@@ -14,23 +14,27 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 struct Edge {
-  int from, to;       ///< 0, 1, 2: a, b, c
-  Vector3d start;     ///< [m]
-  Vector3d end;       ///< [m]
+  int from, to;    ///< 0, 1, 2: a, b, c
+  Vector3d start;  ///< [m]
+  Vector3d end;    ///< [m]
   Feature feature;
 };
 
 std::array<Vector3d, 3> cornersOf(const Triangle& t) { return {t.a, t.b, t.c}; }
 
 std::array<Edge, 3> edgesOf(const Triangle& t) {
-  return {{{0, 1, t.a, t.b, Feature::kEdgeAB}, {1, 2, t.b, t.c, Feature::kEdgeBC}, {2, 0, t.c, t.a, Feature::kEdgeCA}}};
+  return {{{0, 1, t.a, t.b, Feature::kEdgeAB},
+           {1, 2, t.b, t.c, Feature::kEdgeBC},
+           {2, 0, t.c, t.a, Feature::kEdgeCA}}};
 }
 
 /// Corner number `corner` of the second triangle, which is nearest to a point of the first.
 ClosestPair fromCorner(const Vector3d& position, int corner, const ClosestPoint& on_first) {
-  constexpr std::array<Feature, 3> kVertices{Feature::kVertexA, Feature::kVertexB, Feature::kVertexC};
+  constexpr std::array<Feature, 3> kVertices{Feature::kVertexA, Feature::kVertexB,
+                                             Feature::kVertexC};
   return {on_first.point,
-          {position, -on_first.offset, Vector3d::Unit(corner), kVertices[corner], on_first.squared_distance}};
+          {position, -on_first.offset, Vector3d::Unit(corner), kVertices[corner],
+           on_first.squared_distance}};
 }
 
 bool inside(double weight) { return weight > 0 && weight < 1; }
@@ -47,7 +51,8 @@ std::optional<ClosestPair> insideEdges(const Edge& first, const Edge& second, co
   ClosestPair pair;
   pair.point_on_first = first.start + step_on_first;
   pair.on_second.point = second.start + step_on_second;
-  pair.on_second.offset = (between + (step_on_second - step_on_first)).cwiseMax(offsets.low).cwiseMin(offsets.high);
+  pair.on_second.offset =
+      (between + (step_on_second - step_on_first)).cwiseMax(offsets.low).cwiseMin(offsets.high);
   pair.on_second.barycentric.setZero();
   pair.on_second.barycentric[second.from] = 1 - weights->y();
   pair.on_second.barycentric[second.to] = weights->y();
@@ -67,7 +72,8 @@ ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
   consider({first.b, closestPointOnTriangle(first.b, second)}, best);
   consider({first.c, closestPointOnTriangle(first.c, second)}, best);
   const std::array<Vector3d, 3> corners = cornersOf(second);
-  for (int i = 0; i < 3; ++i) consider(fromCorner(corners[i], i, closestPointOnTriangle(corners[i], first)), best);
+  for (int i = 0; i < 3; ++i)
+    consider(fromCorner(corners[i], i, closestPointOnTriangle(corners[i], first)), best);
 
   const Box box_of_first = boxOf(first);
   const Box box_of_second = boxOf(second);

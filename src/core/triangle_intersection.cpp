@@ -22,7 +22,8 @@ bool allNegative(const Signs& s) { return s[0] < 0 && s[1] < 0 && s[2] < 0; }
 std::array<Vector3d, 3> cornersOf(const Triangle& t) { return {t.a, t.b, t.c}; }
 
 bool boxesMeet(const Box& first, const Box& second) {
-  return (first.low.array() <= second.high.array()).all() && (second.low.array() <= first.high.array()).all();
+  return (first.low.array() <= second.high.array()).all() &&
+         (second.low.array() <= first.high.array()).all();
 }
 
 /// The sides of the plane of `t` that the corners of `other` are on; all 0 where `t` has no area.
@@ -32,7 +33,8 @@ Signs sidesOf(const Triangle& other, const Triangle& t) {
 }
 
 /// True where p is a point of `t`. REQUIRES: p lies in the plane of t, or t has no area.
-/// Along an axis that shows an area, mixed signs are outside; where t shows none, any sign is off its line.
+/// Along an axis that shows an area, mixed signs are outside; where t shows none, any sign is off
+/// its line.
 bool contains(const Triangle& t, const Vector3d& p) {
   if (!boxOf(t).contains(p)) return false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -48,7 +50,8 @@ bool contains(const Triangle& t, const Vector3d& p) {
 
 /// True where the segments pq and rs cross in a point inside both.
 bool cross(const Vector3d& p, const Vector3d& q, const Vector3d& r, const Vector3d& s) {
-  const auto separates = [](const Vector2d& from, const Vector2d& to, const Vector2d& x, const Vector2d& y) {
+  const auto separates = [](const Vector2d& from, const Vector2d& to, const Vector2d& x,
+                            const Vector2d& y) {
     return orientation(from, to, x) * orientation(from, to, y) < 0;
   };
   for (int axis = 0; axis < 3; ++axis) {
@@ -67,11 +70,13 @@ bool crossesAnEdge(const Vector3d& p, const Vector3d& q, const Triangle& t) {
 
 /// True where pq, whose ends are on either side of the plane of `t`, passes through `t`.
 bool pierces(const Vector3d& p, const Vector3d& q, const Triangle& t) {
-  const Signs signs{orientation(p, q, t.a, t.b), orientation(p, q, t.b, t.c), orientation(p, q, t.c, t.a)};
+  const Signs signs{orientation(p, q, t.a, t.b), orientation(p, q, t.b, t.c),
+                    orientation(p, q, t.c, t.a)};
   return !(anyPositive(signs) && anyNegative(signs));
 }
 
-/// True where a corner of `other` lies in `t`, or one of its edges crosses an edge of `t` or pierces its face.
+/// True where a corner of `other` lies in `t`, or one of its edges crosses an edge of `t` or
+/// pierces its face.
 bool boundaryMeets(const Triangle& other, const Signs& sides, const Triangle& t) {
   const std::array<Vector3d, 3> corners = cornersOf(other);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -93,7 +98,8 @@ bool trianglesIntersect(const Triangle& first, const Triangle& second) {
   if (allPositive(sides_of_first) || allNegative(sides_of_first)) return false;
   const Signs sides_of_second = sidesOf(second, first);
   if (allPositive(sides_of_second) || allNegative(sides_of_second)) return false;
-  return boundaryMeets(first, sides_of_first, second) || boundaryMeets(second, sides_of_second, first);
+  return boundaryMeets(first, sides_of_first, second) ||
+         boundaryMeets(second, sides_of_second, first);
 }
 
 }  // namespace organ_collision::core

@@ -294,7 +294,7 @@ void CollisionNode::publishMarkers() {
     const std::uint32_t version = organ->snapshot()->version;
     if (!redraw && drawn == version) continue;
     drawn = version;
-    markers.markers.push_back(surfaceMarker(*organ));
+    for (auto& marker : organMarkers(*organ).markers) markers.markers.push_back(std::move(marker));
   }
   markers_publisher_.publish(markers);
 }

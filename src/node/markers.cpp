@@ -13,9 +13,10 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kLineWidth = 0.0008;     // [m]
-constexpr double kOutlineWidth = 0.0015;  // [m]
-constexpr double kNormalLength = 0.02;    // [m]
+constexpr double kEdgeWidth = 0.00012;    // [m]
+constexpr double kLineWidth = 0.001;      // [m]
+constexpr double kOutlineWidth = 0.0012;  // [m]
+constexpr double kNormalLength = 0.008;   // [m]
 constexpr double kTextHeight = 0.008;     // [m]
 constexpr double kLift = 0.0003;          // [m] above the surface, so that it does not show through
 
@@ -48,17 +49,17 @@ Marker marker(const std::string& frame, const std::string& what, std::size_t id,
 }
 
 std::array<geometry_msgs::Point, 3> liftedCorners(const core::CollisionMesh& mesh,
-                                                  std::size_t triangle,
+                                                  core::TriangleId triangle,
                                                   const Eigen::Vector3d& lift) {
-  const core::Triangle corners = mesh.mesh().triangle(static_cast<core::TriangleId>(triangle));
+  const core::Triangle corners = mesh.mesh().triangle(triangle);
   return {toPoint(corners.a + lift), toPoint(corners.b + lift), toPoint(corners.c + lift)};
 }
 
 /// Filled and outlined, in the organ's frame; the outline keeps small triangles in sight.
 void addTriangle(visualization_msgs::MarkerArray& array, std::size_t id, const Organ& organ,
-                 std::size_t triangle, const std_msgs::ColorRGBA& colour) {
+                 core::TriangleId triangle, const std_msgs::ColorRGBA& colour) {
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  if (triangle >= snapshot->organ.mesh().triangleCount()) return;  // of a former topology
+  if (core::index(triangle) >= snapshot->organ.mesh().triangleCount()) return;  // of a former topology
   const Eigen::Vector3d normal = core::pseudonormal(
       snapshot->organ, static_cast<core::TriangleId>(triangle), core::Feature::kFace);
   Marker filled = marker(organ.frame(), "nearest_triangle", id, Marker::TRIANGLE_LIST, colour);
@@ -84,9 +85,9 @@ void addLine(visualization_msgs::MarkerArray& array, std::size_t id, const std::
 
 void addNormal(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
                const NearestTriangle& nearest) {
-  Marker arrow = marker(frame, "normal", id, Marker::ARROW, colour(0.9, 0.9, 0.9));
-  arrow.scale.x = kLineWidth;
-  arrow.scale.y = 3.0 * kLineWidth;
+  Marker arrow = marker(frame, "normal", id, Marker::ARROW, colour(0.95, 0.95, 0.95));
+  arrow.scale.x = kLineWidth;        // of the shaft
+  arrow.scale.y = 2.5 * kLineWidth;  // of the head
   geometry_msgs::Point end = nearest.point;
   end.x += kNormalLength * nearest.normal.x;
   end.y += kNormalLength * nearest.normal.y;
@@ -102,7 +103,7 @@ void addText(visualization_msgs::MarkerArray& array, std::size_t id, const std::
                        alarming ? colour(1, 0.3, 0.2) : colour(1, 1, 1));
   text.scale.z = kTextHeight;
   text.pose.position = contact.instrument_point;
-  text.pose.position.z += 2.0 * kTextHeight;
+  text.pose.position.z += 3.0 * kTextHeight;
   std::array<char, 128> words{};
   std::snprintf(words.data(), words.size(), "%s %.1f mm%s%s", contact.instrument.c_str(),
                 1e3 * contact.nearest.distance, contact.colliding ? ", touching" : "",
@@ -111,20 +112,45 @@ void addText(visualization_msgs::MarkerArray& array, std::size_t id, const std::
   array.markers.push_back(text);
 }
 
-}  // namespace
-
-Marker surfaceMarker(const Organ& organ) {
+Marker surfaceMarker(const Organ& organ, const core::TriangleMesh& mesh) {
   Marker surface = marker(organ.frame(), "surface_of_" + organ.name(), 0, Marker::TRIANGLE_LIST,
                           colour(0.55, 0.16, 0.12));
   surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
-  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  const core::TriangleMesh& mesh = snapshot->organ.mesh();
   surface.points.reserve(3 * mesh.triangleCount());
   for (const core::Corners& corners : mesh.triangles()) {
-    for (const core::VertexId corner : corners)
-      surface.points.push_back(toPoint(mesh.position(corner)));
+    for (const core::VertexId corner : corners) surface.points.push_back(toPoint(mesh.position(corner)));
   }
   return surface;
+}
+
+Marker edgesMarker(const Organ& organ, const core::CollisionMesh& mesh) {
+  Marker edges = marker(organ.frame(), "edges_of_" + organ.name(), 0, Marker::LINE_LIST, colour(0.15, 0.03, 0.03));
+  edges.scale.x = kEdgeWidth;
+  for (std::size_t i = 0; i < mesh.mesh().triangleCount(); ++i) {
+    const auto id = static_cast<core::TriangleId>(i);
+    const Eigen::Vector3d lift = 0.3 * kLift * core::pseudonormal(mesh, id, core::Feature::kFace);
+    const auto corners = liftedCorners(mesh, id, lift);
+    const core::Corners& vertices = mesh.mesh().corners(id);
+    for (const std::size_t from : {0, 1, 2}) {
+      const std::size_t to = (from + 1) % 3;
+      // Its neighbour draws the other half of the edges; a border drawn in one sense only may miss some.
+      if (vertices[from] < vertices[to] || !mesh.health().closed) {
+        edges.points.push_back(corners[from]);
+        edges.points.push_back(corners[to]);
+      }
+    }
+  }
+  return edges;
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray organMarkers(const Organ& organ) {
+  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+  visualization_msgs::MarkerArray array;
+  array.markers.push_back(surfaceMarker(organ, snapshot->organ.mesh()));
+  array.markers.push_back(edgesMarker(organ, snapshot->organ));
+  return array;
 }
 
 visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, const io::Scene& scene,
@@ -136,7 +162,7 @@ visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, con
     const std::string& frame = contacts.header.frame_id;
     if (!std::isfinite(contact.nearest.distance)) continue;
     const std_msgs::ColorRGBA colour = instrumentColour(pair.instrument);
-    addTriangle(array, i, *organs[pair.organ], contact.nearest.triangle, colour);
+    addTriangle(array, i, *organs[pair.organ], static_cast<core::TriangleId>(contact.nearest.triangle), colour);
     addLine(array, i, frame, contact, colour);
     addNormal(array, i, frame, contact.nearest);
     addText(array, i, frame, contact);

@@ -7,8 +7,8 @@
 
 namespace organ_collision::node {
 
-/// The surface of an organ, in its own frame.
-visualization_msgs::Marker surfaceMarker(const Organ& organ);
+/// The surface of an organ and its edges, in its own frame.
+visualization_msgs::MarkerArray organMarkers(const Organ& organ);
 
 /// For each contact its nearest triangle in the instrument's colour (the first yellow, the second
 /// green, as in the paper's Fig. 5), a line from tip to organ, the normal, and the distance in
