@@ -1,0 +1,37 @@
+// How long does the hierarchy take, to build and to refit, by the number of triangles?
+#include <benchmark/benchmark.h>
+
+#include "liver.h"
+#include "organ_collision/core/farthest_pair_tree.h"
+
+namespace organ_collision {
+namespace {
+
+void buildHierarchy(benchmark::State& state) {
+  const core::TriangleMesh mesh = bench::roundOrgan(static_cast<std::size_t>(state.range(0)));
+  std::size_t depth = 0;
+  std::size_t memory = 0;
+  for (auto _ : state) {
+    const core::FarthestPairTree tree(mesh);
+    depth = tree.depth();
+    memory = tree.memory();
+  }
+  state.counters["triangles"] = static_cast<double>(mesh.triangleCount());
+  state.counters["depth"] = static_cast<double>(depth);
+  state.counters["bytes/triangle"] =
+      static_cast<double>(memory) / static_cast<double>(mesh.triangleCount());
+}
+
+void refitHierarchy(benchmark::State& state) {
+  const core::TriangleMesh mesh = bench::roundOrgan(static_cast<std::size_t>(state.range(0)));
+  core::FarthestPairTree tree(mesh);
+  for (auto _ : state) tree.refit(mesh);
+  state.counters["triangles"] = static_cast<double>(mesh.triangleCount());
+}
+
+// 1k, 10k, 100k and 1M triangles.
+BENCHMARK(buildHierarchy)->Arg(23)->Arg(71)->Arg(224)->Arg(708)->Unit(benchmark::kMillisecond);
+BENCHMARK(refitHierarchy)->Arg(23)->Arg(71)->Arg(224)->Arg(708)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace organ_collision
