@@ -1,4 +1,4 @@
-#include "organ_collision/node/collision_node.h"
+#include "node/collision_node.h"
 
 #include <organ_collision/MeshInfoArray.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "organ_collision/node/conversions.h"
-#include "organ_collision/node/markers.h"
-#include "organ_collision/node/scene_loader.h"
+#include "node/conversions.h"
+#include "node/markers.h"
+#include "node/scene_loader.h"
 
 namespace organ_collision::node {
 namespace {

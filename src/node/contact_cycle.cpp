@@ -1,9 +1,9 @@
-#include "organ_collision/node/contact_cycle.h"
+#include "node/contact_cycle.h"
 
 #include <algorithm>
 #include <chrono>
 
-#include "organ_collision/node/conversions.h"
+#include "node/conversions.h"
 
 namespace organ_collision::node {
 namespace {

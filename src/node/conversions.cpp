@@ -1,4 +1,4 @@
-#include "organ_collision/node/conversions.h"
+#include "node/conversions.h"
 
 #include <limits>
 #include <stdexcept>

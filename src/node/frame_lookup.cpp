@@ -1,4 +1,4 @@
-#include "organ_collision/node/frame_lookup.h"
+#include "node/frame_lookup.h"
 
 #include <tf2/exceptions.h>
 #include <tf2_eigen/tf2_eigen.h>

@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "organ_collision/node/collision_node.h"
+#include "node/collision_node.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "organ_collision");

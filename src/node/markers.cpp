@@ -1,12 +1,12 @@
-#include "organ_collision/node/markers.h"
+#include "node/markers.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
+#include "node/conversions.h"
 #include "organ_collision/core/sign.h"
-#include "organ_collision/node/conversions.h"
 
 namespace organ_collision::node {
 namespace {
@@ -59,7 +59,8 @@ std::array<geometry_msgs::Point, 3> liftedCorners(const core::CollisionMesh& mes
 void addTriangle(visualization_msgs::MarkerArray& array, std::size_t id, const Organ& organ,
                  core::TriangleId triangle, const std_msgs::ColorRGBA& colour) {
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  if (core::index(triangle) >= snapshot->organ.mesh().triangleCount()) return;  // of a former topology
+  if (core::index(triangle) >= snapshot->organ.mesh().triangleCount())
+    return;  // of a former topology
   const Eigen::Vector3d normal = core::pseudonormal(
       snapshot->organ, static_cast<core::TriangleId>(triangle), core::Feature::kFace);
   Marker filled = marker(organ.frame(), "nearest_triangle", id, Marker::TRIANGLE_LIST, colour);
@@ -118,13 +119,15 @@ Marker surfaceMarker(const Organ& organ, const core::TriangleMesh& mesh) {
   surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
   surface.points.reserve(3 * mesh.triangleCount());
   for (const core::Corners& corners : mesh.triangles()) {
-    for (const core::VertexId corner : corners) surface.points.push_back(toPoint(mesh.position(corner)));
+    for (const core::VertexId corner : corners)
+      surface.points.push_back(toPoint(mesh.position(corner)));
   }
   return surface;
 }
 
 Marker edgesMarker(const Organ& organ, const core::CollisionMesh& mesh) {
-  Marker edges = marker(organ.frame(), "edges_of_" + organ.name(), 0, Marker::LINE_LIST, colour(0.15, 0.03, 0.03));
+  Marker edges = marker(organ.frame(), "edges_of_" + organ.name(), 0, Marker::LINE_LIST,
+                        colour(0.15, 0.03, 0.03));
   edges.scale.x = kEdgeWidth;
   for (std::size_t i = 0; i < mesh.mesh().triangleCount(); ++i) {
     const auto id = static_cast<core::TriangleId>(i);
@@ -133,7 +136,8 @@ Marker edgesMarker(const Organ& organ, const core::CollisionMesh& mesh) {
     const core::Corners& vertices = mesh.mesh().corners(id);
     for (const std::size_t from : {0, 1, 2}) {
       const std::size_t to = (from + 1) % 3;
-      // Its neighbour draws the other half of the edges; a border drawn in one sense only may miss some.
+      // Its neighbour draws the other half of the edges; a border drawn in one sense only may miss
+      // some.
       if (vertices[from] < vertices[to] || !mesh.health().closed) {
         edges.points.push_back(corners[from]);
         edges.points.push_back(corners[to]);
@@ -162,7 +166,8 @@ visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, con
     const std::string& frame = contacts.header.frame_id;
     if (!std::isfinite(contact.nearest.distance)) continue;
     const std_msgs::ColorRGBA colour = instrumentColour(pair.instrument);
-    addTriangle(array, i, *organs[pair.organ], static_cast<core::TriangleId>(contact.nearest.triangle), colour);
+    addTriangle(array, i, *organs[pair.organ],
+                static_cast<core::TriangleId>(contact.nearest.triangle), colour);
     addLine(array, i, frame, contact, colour);
     addNormal(array, i, frame, contact.nearest);
     addText(array, i, frame, contact);

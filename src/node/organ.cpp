@@ -1,4 +1,4 @@
-#include "organ_collision/node/organ.h"
+#include "node/organ.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,13 +1,13 @@
-#include "organ_collision/node/scene_loader.h"
+#include "node/scene_loader.h"
 
 #include <ros/console.h>
 #include <ros/package.h>
 
 #include <stdexcept>
 
+#include "node/conversions.h"
 #include "organ_collision/io/mesh_io.h"
 #include "organ_collision/io/robot_geometry.h"
-#include "organ_collision/node/conversions.h"
 
 namespace organ_collision::node {
 namespace {

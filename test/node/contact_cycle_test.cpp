@@ -1,4 +1,4 @@
-#include "organ_collision/node/contact_cycle.h"
+#include "node/contact_cycle.h"
 
 #include <gtest/gtest.h>
 

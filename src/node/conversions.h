@@ -12,9 +12,9 @@
 
 #include <Eigen/Geometry>
 
+#include "node/organ.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/io/value.h"
-#include "organ_collision/node/organ.h"
 
 // Between ROS messages and the library. Here a bare Accuracy or NearestTriangle is the message,
 // core:: is ours.

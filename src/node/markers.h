@@ -3,7 +3,7 @@
 #include <organ_collision/ContactArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "organ_collision/node/contact_cycle.h"
+#include "node/contact_cycle.h"
 
 namespace organ_collision::node {
 

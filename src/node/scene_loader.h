@@ -2,8 +2,8 @@
 
 #include <ros/node_handle.h>
 
+#include "node/contact_cycle.h"
 #include "organ_collision/io/scene.h"
-#include "organ_collision/node/contact_cycle.h"
 
 namespace organ_collision::node {
 

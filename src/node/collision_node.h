@@ -19,8 +19,8 @@
 #include <string>
 #include <thread>
 
+#include "node/contact_cycle.h"
 #include "organ_collision/io/scene.h"
-#include "organ_collision/node/contact_cycle.h"
 
 namespace organ_collision::node {
 

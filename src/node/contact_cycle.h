@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "node/frame_lookup.h"
+#include "node/organ.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/io/scene.h"
-#include "organ_collision/node/frame_lookup.h"
-#include "organ_collision/node/organ.h"
 
 namespace organ_collision::node {
 
