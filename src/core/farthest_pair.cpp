@@ -180,22 +180,22 @@ void Diameter::pairByBranchAndBound(const std::vector<std::size_t>& outside) {
     double bound;
     std::size_t end, other;
   };
-  const auto canWin = [this, &ends, &others](const Candidate& candidate) {
+  const auto can_win = [this, &ends, &others](const Candidate& candidate) {
     const std::size_t i = ends.nodes()[candidate.end].lowest;
     const std::size_t j = others.nodes()[candidate.other].lowest;
     return isBetter(pairOf(i, j, candidate.bound), best_);
   };
   std::vector<Candidate> stack;
-  const auto pushIfItCanWin = [&](std::size_t end, std::size_t other) {
+  const auto push_if_it_can_win = [&](std::size_t end, std::size_t other) {
     const Candidate candidate = {
         largestSquaredDistance(ends.nodes()[end].box, others.nodes()[other].box), end, other};
-    if (canWin(candidate)) stack.push_back(candidate);
+    if (can_win(candidate)) stack.push_back(candidate);
   };
-  pushIfItCanWin(0, 0);
+  push_if_it_can_win(0, 0);
   while (!stack.empty()) {
     const Candidate candidate = stack.back();
     stack.pop_back();
-    if (!canWin(candidate)) continue;
+    if (!can_win(candidate)) continue;
     const KdTree::Node& end = ends.nodes()[candidate.end];
     const KdTree::Node& other = others.nodes()[candidate.other];
     if (end.second_child == 0 && other.second_child == 0) {
@@ -215,11 +215,11 @@ void Diameter::pairByBranchAndBound(const std::vector<std::size_t>& outside) {
         (end.second_child != 0 &&
          squaredLength(end.box.high - end.box.low) > squaredLength(other.box.high - other.box.low));
     if (split_end) {
-      pushIfItCanWin(candidate.end + 1, candidate.other);
-      pushIfItCanWin(end.second_child, candidate.other);
+      push_if_it_can_win(candidate.end + 1, candidate.other);
+      push_if_it_can_win(end.second_child, candidate.other);
     } else {
-      pushIfItCanWin(candidate.end, candidate.other + 1);
-      pushIfItCanWin(candidate.end, other.second_child);
+      push_if_it_can_win(candidate.end, candidate.other + 1);
+      push_if_it_can_win(candidate.end, other.second_child);
     }
     // The farther pair is looked at first.
     std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first_new), stack.end(),

@@ -39,7 +39,7 @@ class TriangleTip {
   ClosestPair measure(const Triangle& triangle) const { return closestPoints(tip_, triangle); }
 
  private:
-  Triangle tip_;
+  const Triangle& tip_;
   Eigen::Vector3d centroid_;
   Box box_;
 };

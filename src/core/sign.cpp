@@ -124,14 +124,14 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
   const FarthestPairTree& tree = organ.tree();
-  const auto meetsRay = [&point](const Box& box) {
+  const auto meets_ray = [&point](const Box& box) {
     return point.x() <= box.high.x() && box.low.y() <= point.y() && point.y() <= box.high.y() &&
            box.low.z() <= point.z() && point.z() <= box.high.z();
   };
   int winding = 0;
   const auto count = [&](TriangleId id) {
     const Triangle triangle = organ.mesh().triangle(id);
-    if (!meetsRay(boxOf(triangle))) return;
+    if (!meets_ray(boxOf(triangle))) return;
     const int turns = crossing(triangle, point);
     // Seen from the normal's side the triangle is ahead of the point only if the point is behind
     // it, and vice versa.
@@ -145,7 +145,7 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
     stack.pop_back();
     if (child.isLeaf()) {
       count(tree.triangle(child.leaf()));
-    } else if (meetsRay(tree.box(child.node()))) {
+    } else if (meets_ray(tree.box(child.node()))) {
       const auto& children = tree.node(child.node()).children;
       stack.insert(stack.end(), children.begin(), children.end());
     }
