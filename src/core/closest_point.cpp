@@ -66,10 +66,10 @@ Candidate stepFrom(const Corner& base, const Vector3d& step) {
   return {&base, step, squaredLength(base.offset + step), Vector3d::Zero()};
 }
 
-/// The point nearest to the query between `nearer` and `farther`, unless it is `nearer` itself.
+/// The point nearest to the query between the corners, unless it is `nearer` itself.
 std::optional<Candidate> insideEdge(const Corner& nearer, const Corner& farther) {
   const Vector3d edge = farther.position - nearer.position;
-  const double t = lineCoordinate(-nearer.offset, edge);
+  const double t = -nearer.offset.dot(edge) / squaredLength(edge);
   if (!(t > 0 && t < 1)) return std::nullopt;
   Candidate candidate = stepFrom(nearer, t * edge);
   candidate.barycentric[nearer.slot] = 1 - t;
@@ -82,9 +82,9 @@ bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
   return squaredLength(e1.cross(e2)) <= kPerhapsFlat * squaredLength(e1) * squaredLength(e2);
 }
 
-/// The point nearest to the query, if that is inside the face. The edges at `base` are the shorter
-/// ones.
-std::optional<Candidate> insideFace(const Corner& base, const Corner& left, const Corner& right) {
+/// The point nearest to the query, if that is inside the face.
+std::optional<Candidate> insideFace(const Corners3& corners) {
+  const auto& [base, left, right] = corners;  // the shortest way to go is the most accurate
   const Vector3d to_left = left.position - base.position;
   const Vector3d to_right = right.position - base.position;
   const std::optional<Vector2d> weights = planeCoordinates(-base.offset, to_left, to_right);
@@ -100,17 +100,6 @@ std::optional<Candidate> insideFace(const Corner& base, const Corner& left, cons
   candidate.barycentric[left.slot] = s;
   candidate.barycentric[right.slot] = t;
   return candidate;
-}
-
-std::optional<Candidate> insideFace(const Corners3& corners) {
-  const auto& [near, middle, far] = corners;
-  const double opposite_near = squaredLength(far.position - middle.position);
-  const double opposite_middle = squaredLength(far.position - near.position);
-  const double opposite_far = squaredLength(middle.position - near.position);
-  if (opposite_near >= opposite_middle && opposite_near >= opposite_far)
-    return insideFace(near, middle, far);
-  if (opposite_middle >= opposite_far) return insideFace(middle, near, far);
-  return insideFace(far, near, middle);
 }
 
 Feature featureOf(const Vector3d& barycentric) {

@@ -15,11 +15,9 @@ using Eigen::Vector3d;
 // Between these squared lengths [m^2] the products of four lengths neither overflow nor underflow.
 constexpr double kShortestSafe = 0x1p-200;
 constexpr double kLongestSafe = 0x1p+200;
-// sin^2 of 30 degrees: between edges further from parallel than this, plain products are accurate
-// enough.
+// sin^2 of 30 degrees: plain products are accurate enough for edges further from parallel.
 constexpr double kWellShaped = 0.25;
-// Where no more than 2^-20 of a vector is left over, the rounding errors along the plane are no
-// longer lost in it.
+// Where 2^-20 of a vector or less is left over, rounding errors along the plane are not lost in it.
 constexpr double kNearlyNothing = 0x1p-40;
 
 /// x*y - z*w with a relative error of at most 1.5 * 2^-52.
@@ -28,8 +26,7 @@ double differenceOfProducts(double x, double y, double z, double w) {
   return std::fma(x, y, -zw) + std::fma(-z, w, zw);
 }
 
-/// A power of two that brings the largest coordinate of the two near 1. REQUIRES: they are not both
-/// 0.
+/// A power of two that brings the largest coordinate near 1. REQUIRES: not all are 0.
 double normalisingFactor(const Vector3d& e1, const Vector3d& e2) {
   const double largest = std::max(e1.lpNorm<Eigen::Infinity>(), e2.lpNorm<Eigen::Infinity>());
   return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
@@ -66,14 +63,6 @@ Vector3d accurateCross(const Vector3d& v, const Vector3d& w) {
   return {differenceOfProducts(v.y(), w.z(), v.z(), w.y()),
           differenceOfProducts(v.z(), w.x(), v.x(), w.z()),
           differenceOfProducts(v.x(), w.y(), v.y(), w.x())};
-}
-
-double lineCoordinate(const Vector3d& v, const Vector3d& e) {
-  const double squared = squaredLength(e);
-  const double t = v.dot(e) / squared;
-  const Vector3d rest = v - t * e;
-  if (squaredLength(rest) > kNearlyNothing * squaredLength(v)) return t;
-  return t + rest.dot(e) / squared;
 }
 
 std::optional<Vector2d> planeCoordinates(const Vector3d& v, const Vector3d& e1,

@@ -133,10 +133,10 @@ int orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c, const V
 }
 
 bool collinear(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const auto alignedAlong = [&](int axis) {
+  const auto aligned_along = [&](int axis) {
     return orientation(alongAxis(a, axis), alongAxis(b, axis), alongAxis(c, axis)) == 0;
   };
-  return alignedAlong(0) && alignedAlong(1) && alignedAlong(2);
+  return aligned_along(0) && aligned_along(1) && aligned_along(2);
 }
 
 }  // namespace organ_collision::core

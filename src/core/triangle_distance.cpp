@@ -114,9 +114,7 @@ ClosestPair closestPoints(const Triangle& first, const Triangle& second) {
   ClosestPair best = betweenBoundaries(first, second);
   if (!trianglesIntersect(first, second)) return best;
   considerCrossings(first, second, best);
-  const Box box = boxOf(first);
-  best.point_on_first = best.on_second.point.cwiseMax(box.low).cwiseMin(box.high);
-  best.on_second.point = best.point_on_first;
+  best.point_on_first = best.on_second.point;
   best.on_second.offset.setZero();
   best.on_second.squared_distance = 0;
   return best;

@@ -26,13 +26,16 @@ double extentOf(const Vector3d& query, const Triangle& t) {
   return std::max({(t.a - query).norm(), (t.b - query).norm(), (t.c - query).norm()});
 }
 
-exact::Real distanceOf(const ClosestPoint& closest) { return sqrt(exact::Real(closest.squared_distance)); }
+exact::Real distanceOf(const ClosestPoint& closest) {
+  return sqrt(exact::Real(closest.squared_distance));
+}
 
 /// [u * extent]
 double errorOf(const Vector3d& query, const Triangle& t) {
   const double extent = extentOf(query, t);
   if (extent == 0) return 0;
-  const exact::Real error = distanceOf(closestPointOnTriangle(query, t)) - exact::distance(query, t);
+  const exact::Real error =
+      distanceOf(closestPointOnTriangle(query, t)) - exact::distance(query, t);
   return static_cast<double>(abs(error) / (kUnit * extent));
 }
 
@@ -50,8 +53,9 @@ void forEachSample(unsigned seed, int count, const Check& check) {
 }
 
 bool sameBits(const ClosestPoint& left, const ClosestPoint& right) {
-  return left.point == right.point && left.offset == right.offset && left.barycentric == right.barycentric &&
-         left.feature == right.feature && left.squared_distance == right.squared_distance;
+  return left.point == right.point && left.offset == right.offset &&
+         left.barycentric == right.barycentric && left.feature == right.feature &&
+         left.squared_distance == right.squared_distance;
 }
 
 TEST(ClosestPoint, IsBelowAQueryAboveTheFace) {
@@ -90,13 +94,16 @@ TEST(ClosestPoint, TakesACollapsedTriangleForItsSegment) {
                            {-0.569999993, -8.10000038, 16.6070004}};
   const Vector3d query{1.10000002, -7.9000001, 16.5879993};
   const ClosestPoint closest = closestPointOnTriangle(query, collapsed);
-  EXPECT_NEAR(std::sqrt(closest.squared_distance), 0.171478265901441516, kPromise * kUnit * extentOf(query, collapsed));
+  EXPECT_NEAR(std::sqrt(closest.squared_distance), 0.171478265901441516,
+              kPromise * kUnit * extentOf(query, collapsed));
   EXPECT_TRUE(closest.feature == Feature::kEdgeAB || closest.feature == Feature::kEdgeCA);
 }
 
 TEST(ClosestPoint, FindsTheSegmentBesideATriangleThatIsAPoint) {
-  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}}).squared_distance, 1);
-  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}).squared_distance, 1.25);
+  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}}).squared_distance,
+            1);
+  EXPECT_EQ(closestPointOnTriangle({1, 0, 0.5}, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}).squared_distance,
+            1.25);
 }
 
 TEST(ClosestPoint, KeepsTheDistanceFromATriangleOfATenthOfAMillimetre) {
@@ -112,8 +119,17 @@ TEST(ClosestPoint, IsOnTheNeedleThatRegionMethodsMiss) {
   const Triangle needle{{0x1.c6edb78d4b263p-3, 0x1.9ac3608b45908p-1, -0x1.62cdd81ebeb04p+0},
                         {-0x1.ee5c5b80ea279p-1, -0x1.caba4fa4f949p-4, -0x1.209bfef03778fp-2},
                         {-0x1.ee5c5bb00ac8p-1, -0x1.caba50c0af9c6p-4, -0x1.209bfee2b88e5p-2}};
-  EXPECT_NEAR(std::sqrt(closestPointOnTriangle(query, needle).squared_distance), 6.53229269437997e-10,
-              kPromise * kUnit * extentOf(query, needle));
+  EXPECT_NEAR(std::sqrt(closestPointOnTriangle(query, needle).squared_distance),
+              6.53229269437997e-10, kPromise * kUnit * extentOf(query, needle));
+}
+
+TEST(ClosestPoint, IsCorrectedWhereTheQueryNearlyTouchesTheFace) {
+  // found by a search for bad cases: 4.005 u * extent from uncorrected weights
+  const Vector3d query{0x1.cc2cd18d29c1ap-4, -0x1.afad97a62326fp-3, 0x1.22433daabfd29p-2};
+  const Triangle needle{{0x1.f3981b48f08adp-4, -0x1.b0637b851743ep-4, -0x1.c0658bfb77c2dp-3},
+                        {0x1.a8f873af8e3f5p-4, -0x1.380fc57a96b05p-2, 0x1.76dc1e55374dap-1},
+                        {0x1.a8f8729d4191bp-4, -0x1.380fc7c5130eep-2, 0x1.76dc1dbb63f0dp-1}};
+  EXPECT_LE(errorOf(query, needle), kPromise);
 }
 
 TEST(ClosestPoint, ReferenceKnowsHandMadeDistances) {
@@ -124,7 +140,9 @@ TEST(ClosestPoint, ReferenceKnowsHandMadeDistances) {
 }
 
 TEST(ClosestPoint, DistanceIsWithinFourRoundingErrorsOfTheExtent) {
-  forEachSample(1, kSamples, [](const Vector3d& query, const Triangle& t) { ASSERT_LE(errorOf(query, t), kPromise); });
+  forEachSample(1, kSamples, [](const Vector3d& query, const Triangle& t) {
+    ASSERT_LE(errorOf(query, t), kPromise);
+  });
 }
 
 TEST(ClosestPoint, DistanceIsAsGoodAtTheExtremesOfScale) {
@@ -166,13 +184,24 @@ TEST(ClosestPoint, IsNeverNearerThanTheBox) {
   });
 }
 
-TEST(ClosestPoint, IsNeverNearerThanTheBoxOfAFlatTriangle) {
+TEST(ClosestPoint, IsNeverNearerThanTheBoxOfAThinTriangle) {
   HardTriangles triangles(6);
-  for (int i = 0; i < kSamples; ++i) {  // here the face and its box are equally near
-    Sample sample = triangles.sample(Shape::kFarFromOrigin);
-    sample.triangle.a.x() = sample.triangle.b.x() = sample.triangle.c.x();
-    ASSERT_LE(squaredDistance(boxOf(sample.triangle), sample.query),
-              closestPointOnTriangle(sample.query, sample.triangle).squared_distance);
+  // the face is nearer than its box by less than a rounding error
+  for (int i = 0; i < kSamples; ++i) {
+    Triangle t = triangles.triangle(Shape::kRandom);
+    for (Vector3d* corner : {&t.a, &t.b, &t.c}) corner->x() *= 1e-15;
+    const Vector3d query = triangles.pointOf(t) + triangles.uniform(0, 4) * Vector3d::UnitX();
+    ASSERT_LE(squaredDistance(boxOf(t), query), closestPointOnTriangle(query, t).squared_distance);
+  }
+}
+
+TEST(ClosestPoint, DoesNotLeaveTheBoxByARoundingError) {
+  HardTriangles triangles(12);
+  for (int i = 0; i < kSamples; ++i) {  // the face ends at an edge in a side of its box
+    const double side = triangles.uniform(0, 1);
+    const Triangle t{triangles.inCube() - Vector3d::UnitX(), {side, 9, 0}, {side, -9, 0}};
+    const Vector3d query{side, 0, triangles.magnitude(-17, -14)};
+    ASSERT_TRUE(boxOf(t).contains(closestPointOnTriangle(query, t).point));
   }
 }
 
@@ -182,7 +211,8 @@ TEST(ClosestPoint, LiesInTheTriangle) {
     const Vector3d& w = closest.barycentric;
     const double coordinate = largestCoordinate(t);
     ASSERT_TRUE(boxOf(t).contains(closest.point));
-    ASSERT_LE((w.x() * t.a + w.y() * t.b + w.z() * t.c - closest.point).norm(), 2 * kPromise * kUnit * coordinate);
+    ASSERT_LE((w.x() * t.a + w.y() * t.b + w.z() * t.c - closest.point).norm(),
+              2 * kPromise * kUnit * coordinate);
     ASSERT_LE((closest.point - query - closest.offset).norm(),
               2 * kPromise * kUnit * (extentOf(query, t) + coordinate + query.norm()));
   });
@@ -211,12 +241,14 @@ TEST(ClosestPoint, HasNoFaceWithoutAnArea) {
     // exact multiples of one vector: collinear, though their rounded differences are not parallel
     const auto multiple = [&triangles] {
       const double factor = std::floor(triangles.uniform(-1e6, 1e6));
-      return Vector3d(std::ldexp(factor, static_cast<int>(triangles.uniform(-60, 0))) * Vector3d(3111, -4999, 7919));
+      return Vector3d(std::ldexp(factor, static_cast<int>(triangles.uniform(-60, 0))) *
+                      Vector3d(3111, -4999, 7919));
     };
     const Triangle flat{multiple(), multiple(), multiple()};
     ASSERT_TRUE(exact::collinear(flat.a, flat.b, flat.c));
     const double size = (flat.b - flat.a).norm();
-    const Vector3d query = triangles.pointOf(flat) + size * triangles.magnitude(-18, 0) * triangles.inCube();
+    const Vector3d query =
+        triangles.pointOf(flat) + size * triangles.magnitude(-18, 0) * triangles.inCube();
     ASSERT_NE(closestPointOnTriangle(query, flat).feature, Feature::kFace);
     ASSERT_LE(errorOf(query, flat), kPromise);
   }
@@ -226,13 +258,17 @@ TEST(ClosestPoint, IsFiniteForTheLargestCoordinates) {
   HardTriangles triangles(10);
   for (int i = 0; i < kSamples; ++i) {
     const auto huge = [&triangles] {
-      return Vector3d(triangles.inCube().cwiseProduct(0.999 * kLargestCoordinate * Vector3d::Ones()));
+      return Vector3d(
+          triangles.inCube().cwiseProduct(0.999 * kLargestCoordinate * Vector3d::Ones()));
     };
-    const auto tiny = [&triangles] { return Vector3d(triangles.magnitude(-320, 0) * triangles.inCube()); };
+    const auto tiny = [&triangles] {
+      return Vector3d(triangles.magnitude(-320, 0) * triangles.inCube());
+    };
     const auto any = [&] { return triangles.oneIn(2) ? huge() : tiny(); };
     const Triangle t{any(), any(), any()};
     const ClosestPoint closest = closestPointOnTriangle(any(), t);
-    ASSERT_TRUE(closest.point.allFinite() && closest.offset.allFinite() && closest.barycentric.allFinite());
+    ASSERT_TRUE(closest.point.allFinite() && closest.offset.allFinite() &&
+                closest.barycentric.allFinite());
     ASSERT_TRUE(std::isfinite(closest.squared_distance));
   }
 }

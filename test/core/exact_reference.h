@@ -12,11 +12,14 @@
 
 #include "organ_collision/core/triangle_mesh.h"
 
-/// What the geometric kernels should answer, in exact rational arithmetic: slow, and as plain as can be.
+/// What the geometric kernels should answer, in exact rational arithmetic: slow, and as plain as
+/// can be.
 namespace organ_collision::core::exact {
 
-using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<>, boost::multiprecision::et_off>;
-using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<>,
+                                              boost::multiprecision::et_off>;
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
+                                           boost::multiprecision::et_off>;
 
 /// A rational number >= 0 or a sign's carrier; never reduced.
 struct Fraction {
@@ -32,8 +35,12 @@ struct Vector {
   Integer x, y, z;
 };
 
-inline Vector operator-(const Vector& v, const Vector& w) { return {v.x - w.x, v.y - w.y, v.z - w.z}; }
-inline Vector operator+(const Vector& v, const Vector& w) { return {v.x + w.x, v.y + w.y, v.z + w.z}; }
+inline Vector operator-(const Vector& v, const Vector& w) {
+  return {v.x - w.x, v.y - w.y, v.z - w.z};
+}
+inline Vector operator+(const Vector& v, const Vector& w) {
+  return {v.x + w.x, v.y + w.y, v.z + w.z};
+}
 inline Vector operator*(const Integer& s, const Vector& v) { return {s * v.x, s * v.y, s * v.z}; }
 inline Integer dot(const Vector& v, const Vector& w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
 inline Vector cross(const Vector& v, const Vector& w) {
@@ -43,7 +50,8 @@ inline bool isZero(const Vector& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 using Corners3 = std::array<Vector, 3>;
 
-/// The multiples of a power of two: coarse enough for small numbers, fine enough for all points given.
+/// The multiples of a power of two: coarse enough for small numbers, fine enough for all points
+/// given.
 class Lattice {
  public:
   explicit Lattice(const std::vector<Eigen::Vector3d>& points) {
@@ -103,8 +111,8 @@ inline Fraction squaredDistanceToTriangle(const Vector& query, const Corners3& t
 }
 
 /// Where the closest points of the two lines lie inside both segments: their squared distance.
-inline std::optional<Fraction> squaredDistanceInsideSegments(const Vector& p, const Vector& q, const Vector& r,
-                                                             const Vector& s) {
+inline std::optional<Fraction> squaredDistanceInsideSegments(const Vector& p, const Vector& q,
+                                                             const Vector& r, const Vector& s) {
   const Vector d = q - p;
   const Vector e = s - r;
   const Vector v = r - p;
@@ -113,7 +121,8 @@ inline std::optional<Fraction> squaredDistanceInsideSegments(const Vector& p, co
   const Integer squared = dot(normal, normal);
   const Integer on_first = dot(cross(v, e), normal);
   const Integer on_second = dot(cross(v, d), normal);
-  if (on_first < 0 || on_first > squared || on_second < 0 || on_second > squared) return std::nullopt;
+  if (on_first < 0 || on_first > squared || on_second < 0 || on_second > squared)
+    return std::nullopt;
   const Integer height = dot(v, normal);
   return Fraction{height * height, squared};
 }
@@ -127,7 +136,8 @@ inline bool pierces(const Vector& p, const Vector& q, const Corners3& t) {
   // p + (q - p) * height_p / (height_p - height_q), everything times the denominator
   const Integer denominator = height_p - height_q;
   const Vector x = denominator * p + height_p * (q - p);
-  return squaredDistanceToTriangle(x, {denominator * t[0], denominator * t[1], denominator * t[2]}).numerator == 0;
+  return squaredDistanceToTriangle(x, {denominator * t[0], denominator * t[1], denominator * t[2]})
+             .numerator == 0;
 }
 
 inline Fraction squaredDistance(const Corners3& first, const Corners3& second) {
@@ -158,7 +168,9 @@ inline Real distance(const Triangle& first, const Triangle& second) {
   return lattice.length(squaredDistance(lattice(first), lattice(second)));
 }
 
-inline bool intersect(const Triangle& first, const Triangle& second) { return distance(first, second) == 0; }
+inline bool intersect(const Triangle& first, const Triangle& second) {
+  return distance(first, second) == 0;
+}
 
 inline int sign(const Integer& x) { return x < 0 ? -1 : (x > 0 ? 1 : 0); }
 
@@ -169,7 +181,8 @@ inline int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const
   return sign(dot(cross(lattice(b) - origin, lattice(c) - origin), lattice(d) - origin));
 }
 
-inline bool collinear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+inline bool collinear(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                      const Eigen::Vector3d& c) {
   const Lattice lattice({a, b, c});
   return isZero(cross(lattice(b) - lattice(a), lattice(c) - lattice(a)));
 }

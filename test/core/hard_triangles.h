@@ -23,12 +23,14 @@ enum class Shape {
   kLattice         ///< small integers: coplanar, collinear, shared corners
 };
 
-constexpr std::array<Shape, 8> kShapes{Shape::kRandom,      Shape::kNeedle,     Shape::kCap,      Shape::kFarFromOrigin,
-                                       Shape::kSmallAndFar, Shape::kMixedScale, Shape::kZeroArea, Shape::kLattice};
+constexpr std::array<Shape, 8> kShapes{
+    Shape::kRandom,      Shape::kNeedle,     Shape::kCap,      Shape::kFarFromOrigin,
+    Shape::kSmallAndFar, Shape::kMixedScale, Shape::kZeroArea, Shape::kLattice};
 
 inline const char* name(Shape shape) {
-  constexpr std::array<const char*, 8> kNames{"random",       "needle",      "cap",       "far from the origin",
-                                              "small and far", "mixed scale", "zero area", "lattice"};
+  constexpr std::array<const char*, 8> kNames{
+      "random",        "needle",      "cap",       "far from the origin",
+      "small and far", "mixed scale", "zero area", "lattice"};
   return kNames[static_cast<std::size_t>(shape)];
 }
 
@@ -37,12 +39,15 @@ struct Sample {
   Triangle triangle;
 };
 
-/// A seeded stream of hard triangles, the query anywhere near or down to a rounding error away from the surface.
+/// A seeded stream of hard triangles, the query anywhere near or down to a rounding error away from
+/// the surface.
 class HardTriangles {
  public:
   explicit HardTriangles(unsigned seed) : random_(seed) {}
 
-  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
   /// In [10^low, 10^high].
   double magnitude(double low, double high) { return std::pow(10.0, uniform(low, high)); }
   bool oneIn(int n) { return uniform(0, n) < 1; }
@@ -71,7 +76,8 @@ class HardTriangles {
       case Shape::kSmallAndFar:
         return {kFar + size * a, kFar + size * b, kFar + size * c};
       case Shape::kMixedScale:
-        return {a.cwiseProduct(magnitudes()), b.cwiseProduct(magnitudes()), c.cwiseProduct(magnitudes())};
+        return {a.cwiseProduct(magnitudes()), b.cwiseProduct(magnitudes()),
+                c.cwiseProduct(magnitudes())};
       case Shape::kZeroArea:
         if (oneIn(4)) return {a, a, a};
         if (oneIn(3)) return {a, b, a};
@@ -90,7 +96,9 @@ class HardTriangles {
       case 0:
         return {pointOf(triangle) + size * magnitude(-17, 0) * inCube(), triangle};
       case 1:
-        return {triangle.a + uniform(0, 1) * (triangle.c - triangle.a) + size * magnitude(-17, 0) * inCube(), triangle};
+        return {triangle.a + uniform(0, 1) * (triangle.c - triangle.a) +
+                    size * magnitude(-17, 0) * inCube(),
+                triangle};
       case 2:
         return {triangle.a + magnitude(-8, 2) * inCube(), triangle};
       default:
@@ -102,16 +110,21 @@ class HardTriangles {
   inline static const Eigen::Vector3d kFar{7123.4, -1e4, 9876.5};
 
   Eigen::Vector3d magnitudes() { return {magnitude(-6, 6), magnitude(-6, 6), magnitude(-6, 6)}; }
-  Eigen::Vector3d inLattice() { return {std::floor(uniform(-2, 3)), std::floor(uniform(-2, 3)), 0}; }
+  Eigen::Vector3d inLattice() {
+    return {std::floor(uniform(-2, 3)), std::floor(uniform(-2, 3)), 0};
+  }
 
   std::mt19937_64 random_;
 };
 
-inline Triangle scaled(const Triangle& t, double factor) { return {factor * t.a, factor * t.b, factor * t.c}; }
+inline Triangle scaled(const Triangle& t, double factor) {
+  return {factor * t.a, factor * t.b, factor * t.c};
+}
 
 /// The triangle with its corners in order number 0 to 5.
 inline Triangle reordered(const Triangle& t, int order) {
-  const Triangle turned = order % 3 == 0 ? t : (order % 3 == 1 ? Triangle{t.b, t.c, t.a} : Triangle{t.c, t.a, t.b});
+  const Triangle turned =
+      order % 3 == 0 ? t : (order % 3 == 1 ? Triangle{t.b, t.c, t.a} : Triangle{t.c, t.a, t.b});
   return order < 3 ? turned : Triangle{turned.b, turned.a, turned.c};
 }
 

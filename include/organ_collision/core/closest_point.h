@@ -20,11 +20,9 @@ enum class Feature : std::uint8_t {
 
 /// The point of a triangle closest to a query.
 struct ClosestPoint {
-  Eigen::Vector3d point;  ///< [m] in the triangle's frame
-  Eigen::Vector3d
-      offset;  ///< [m] from the query to the point, free of the cancellation in point - query
-  Eigen::Vector3d barycentric;  ///< weights of a, b, c: each in [0, 1], sum 1 but for rounding; 0
-                                ///< off the feature
+  Eigen::Vector3d point;        ///< [m] in the triangle's frame
+  Eigen::Vector3d offset;       ///< [m] from the query, free of the cancellation in point - query
+  Eigen::Vector3d barycentric;  ///< weights of a, b, c in [0, 1], 0 off the feature; sum about 1
   Feature feature;
   double squared_distance;  ///< [m^2] squaredLength(offset)
 };
@@ -35,16 +33,19 @@ inline double squaredLength(const Eigen::Vector3d& v) {
   return (v.x() * v.x() + v.y() * v.y()) + v.z() * v.z();
 }
 
-/// The point of `triangle` closest to `query` [m]. Zero-area triangles are the segment or the point
-/// that they are: exactly, they have no face. The same point and offset, bit for bit, for every
-/// order of the corners. The root of squared_distance is within 4*u*extent of the distance (u =
-/// 2^-53, extent = longest vector from the query to a corner) for needles, caps and mixed scales
-/// alike: measured, 3.6 is the worst that a search for bad cases found. Input below
-/// kLargestCoordinate never gives NaN; scaling it by a power of two scales the answer and changes
-/// no other bit, unless a square underflows (distances below 1e-150 m). `offset` lies within the
-/// box of the three corners relative to the query, rounded: no box bound on a set of triangles,
-/// computed in the same arithmetic, can exceed the distance returned here.
-/// Cost: about 70 ns, twice that near the surface of a cap.
+/// The point of `triangle` closest to `query` [m], the same for every order of the corners.
+/// Zero-area triangles are the segment or the point that they are, decided exactly: they have no
+/// face.
+///
+/// The root of squared_distance is within 4*u*extent of the distance, for needles, caps and mixed
+/// scales alike (u = 2^-53, extent = longest vector from the query to a corner; the worst that a
+/// search for bad cases found is 3.6).
+/// Input below kLargestCoordinate never gives NaN. Scaling it by a power of two scales the answer
+/// and changes no other bit, unless a square underflows (distances below 1e-150 m). `offset` lies
+/// within the box of the corners relative to the query, rounded: no box bound on a set of
+/// triangles, computed in the same arithmetic, can exceed the distance returned here. Cost: about
+/// 70 ns, twice that near the surface of a cap.
+///
 /// Source: three clamped segments and a face candidate; W. Kahan, "Mathematics written in sand"
 /// (1983), for the difference of products.
 ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle);

@@ -5,9 +5,10 @@
 namespace organ_collision::core {
 
 /// The signs below (-1, 0, +1) are exact for finite coordinates below kLargestCoordinate, whatever
-/// cancels, as long as the coordinates do not span more than 2^300 among themselves. Cost: about 10
-/// ns, where rounding leaves a doubt some microseconds at most. Source: J. Shewchuk, "Adaptive
-/// precision floating-point arithmetic and fast robust geometric predicates" (1997).
+/// cancels, as long as the coordinates do not span more than 2^300 among themselves.
+/// Cost: about 10 ns; where rounding leaves a doubt, some microseconds at most.
+/// Source: J. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
+/// predicates" (1997).
 
 /// Of the determinant |b-a, c-a, d-a|: positive where d is on the side of plane abc from which a,
 /// b, c run anticlockwise.

@@ -7,9 +7,10 @@ namespace organ_collision::core {
 /// True where the closed triangles have a point in common. Exact: decided by the signs of exact
 /// predicates, coplanar and zero-area triangles included, so the order of corners and of triangles
 /// does not matter. They do exactly where a corner of one lies in the other, or an edge of one
-/// crosses an edge or pierces the face of the other. Cost: some 40 ns where a box or a plane keeps
-/// them apart, 0.5 microseconds where they touch. Source: the early ways out are those of O.
-/// Devillers and P. Guigue, "Faster triangle-triangle intersection tests", INRIA RR-4488 (2002).
+/// crosses an edge or pierces the face of the other.
+/// Cost: some 40 ns where a box or a plane keeps them apart, 0.5 microseconds where they touch.
+/// Source: the early ways out are those of O. Devillers and P. Guigue, "Faster triangle-triangle
+/// intersection tests", INRIA RR-4488 (2002).
 bool trianglesIntersect(const Triangle& first, const Triangle& second);
 
 }  // namespace organ_collision::core

@@ -1,0 +1,225 @@
+#include "organ_collision/core/triangle_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "exact_reference.h"
+#include "hard_triangles.h"
+#include "organ_collision/core/box.h"
+#include "organ_collision/core/triangle_intersection.h"
+#include "triangle_pairs.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Vector3d;
+
+// The promise of the header, in units of u * extent.
+constexpr double kPromise = 4;
+constexpr int kSamples = 3000;  // of each shape
+
+const Triangle kRight{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+
+double extentOf(const Triangle& first, const Triangle& second) {
+  double extent = 0;
+  for (const Vector3d& p : {first.a, first.b, first.c, second.a, second.b, second.c}) {
+    for (const Vector3d& q : {first.a, first.b, first.c, second.a, second.b, second.c}) {
+      extent = std::max(extent, (p - q).norm());
+    }
+  }
+  return extent;
+}
+
+/// [u * extent]
+double errorOf(const Triangle& first, const Triangle& second) {
+  const double extent = extentOf(first, second);
+  if (extent == 0) return 0;
+  const exact::Real distance =
+      sqrt(exact::Real(closestPoints(first, second).on_second.squared_distance));
+  return static_cast<double>(abs(distance - exact::distance(first, second)) / (kUnit * extent));
+}
+
+/// Calls `check(first, second)` for pairs of every shape.
+template <typename Check>
+void forEachPair(unsigned seed, int count, const Check& check) {
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(name(shape));
+    HardTriangles triangles(seed);
+    for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
+      const auto [first, second] = anyPair(triangles, shape);
+      check(first, second);
+    }
+  }
+}
+
+TEST(ClosestPoints, OfACornerAboveAFace) {
+  const ClosestPair pair = closestPoints({{1, 1, 2}, {1, 1, 5}, {2, 1, 5}}, kRight);
+  EXPECT_EQ(pair.point_on_first, Vector3d(1, 1, 2));
+  EXPECT_EQ(pair.on_second.point, Vector3d(1, 1, 0));
+  EXPECT_EQ(pair.on_second.offset, Vector3d(0, 0, -2));
+  EXPECT_EQ(pair.on_second.barycentric, Vector3d(0.5, 0.25, 0.25));
+  EXPECT_EQ(pair.on_second.feature, Feature::kFace);
+  EXPECT_EQ(pair.on_second.squared_distance, 4);
+}
+
+TEST(ClosestPoints, OfAFaceBelowACorner) {
+  const ClosestPair pair = closestPoints(kRight, {{1, 1, 5}, {2, 1, 5}, {1, 1, 2}});
+  EXPECT_EQ(pair.point_on_first, Vector3d(1, 1, 0));
+  EXPECT_EQ(pair.on_second.point, Vector3d(1, 1, 2));
+  EXPECT_EQ(pair.on_second.offset, Vector3d(0, 0, 2));
+  EXPECT_EQ(pair.on_second.barycentric, Vector3d(0, 0, 1));
+  EXPECT_EQ(pair.on_second.feature, Feature::kVertexC);
+  EXPECT_EQ(pair.on_second.squared_distance, 4);
+}
+
+TEST(ClosestPoints, OfTwoEdgesThatPass) {
+  const ClosestPair pair = closestPoints(kRight, {{1, -3, -1}, {1, -3, 3}, {1, -9, 0}});
+  EXPECT_EQ(pair.point_on_first, Vector3d(1, 0, 0));
+  EXPECT_EQ(pair.on_second.point, Vector3d(1, -3, 0));
+  EXPECT_EQ(pair.on_second.offset, Vector3d(0, -3, 0));
+  EXPECT_EQ(pair.on_second.barycentric, Vector3d(0.75, 0.25, 0));
+  EXPECT_EQ(pair.on_second.feature, Feature::kEdgeAB);
+  EXPECT_EQ(pair.on_second.squared_distance, 9);
+}
+
+TEST(ClosestPoints, OfTrianglesThatPierceAreOnePoint) {
+  const ClosestPair pair = closestPoints(kRight, {{1, 1, -1}, {1, 1, 1}, {9, 9, 1}});
+  EXPECT_EQ(pair.on_second.squared_distance, 0);
+  EXPECT_EQ(pair.on_second.offset, Vector3d::Zero());
+  EXPECT_EQ(pair.on_second.point, pair.point_on_first);
+  EXPECT_EQ(pair.point_on_first.z(), 0);
+}
+
+TEST(ClosestPoints, OfPublishedHardCasesAreRightInEveryOrder) {
+  for (const HardPair& pair : kHardPairs) {
+    SCOPED_TRACE(pair.source);
+    const double tolerance =
+        pair.distance == 0 ? 0 : kPromise * kUnit * extentOf(pair.first, pair.second);
+    forEachOrder(pair.first, pair.second, [&](const Triangle& one, const Triangle& other) {
+      EXPECT_NEAR(std::sqrt(closestPoints(one, other).on_second.squared_distance), pair.distance,
+                  tolerance);
+    });
+  }
+}
+
+TEST(ClosestPoints, ReferenceKnowsHandMadeDistances) {
+  EXPECT_EQ(exact::distance(Triangle{{1, 1, 2}, {1, 1, 5}, {2, 1, 5}}, kRight), 2);
+  EXPECT_EQ(exact::distance(kRight, {{1, -3, -1}, {1, -3, 3}, {1, -9, 0}}), 3);
+  EXPECT_EQ(exact::distance(kRight, {{1, 1, -1}, {1, 1, 1}, {9, 9, 1}}), 0);
+  EXPECT_EQ(exact::distance(kRight, {{7, 0, 4}, {8, 0, 4}, {8, 0, 5}}), 5);
+}
+
+TEST(ClosestPoints, DistanceIsWithinFourRoundingErrorsOfTheExtent) {
+  forEachPair(1, kSamples, [](const Triangle& first, const Triangle& second) {
+    ASSERT_LE(errorOf(first, second), kPromise);
+  });
+}
+
+TEST(ClosestPoints, DistanceIsAsGoodAtTheExtremesOfScale) {
+  for (const double scale : {0x1p-450, 0x1p-300, 0x1p-60, 0x1p+60, 0x1p+300, 0x1p+450}) {
+    SCOPED_TRACE(scale);
+    forEachPair(2, kSamples / 20, [scale](const Triangle& first, const Triangle& second) {
+      ASSERT_LE(errorOf(scaled(first, scale), scaled(second, scale)), kPromise);
+    });
+  }
+}
+
+TEST(ClosestPoints, DistanceIsZeroWhereTheTrianglesIntersect) {
+  forEachPair(3, kSamples, [](const Triangle& first, const Triangle& second) {
+    if (!trianglesIntersect(first, second)) return;
+    const ClosestPair pair = closestPoints(first, second);
+    ASSERT_EQ(pair.on_second.squared_distance, 0);
+    ASSERT_EQ(pair.on_second.offset, Vector3d::Zero());
+    ASSERT_EQ(pair.on_second.point, pair.point_on_first);
+  });
+}
+
+TEST(ClosestPoints, CommonPointLiesInBothTriangles) {
+  for (const double scale : {1.0, 0x1p-300, 0x1p+300, 0x1p+480}) {
+    forEachPair(4, kSamples / 5, [scale](const Triangle& one, const Triangle& other) {
+      if (!trianglesIntersect(one, other)) return;
+      const Triangle first = scaled(one, scale);
+      const Triangle second = scaled(other, scale);
+      const Vector3d point = closestPoints(first, second).point_on_first;
+      const double coordinate = std::max(largestCoordinate(first), largestCoordinate(second));
+      const double tolerance = kPromise * kUnit * (extentOf(first, second) + coordinate);
+      ASSERT_LE(exact::distance(point, first), tolerance);
+      ASSERT_LE(exact::distance(point, second), tolerance);
+    });
+  }
+}
+
+TEST(ClosestPoints, LieInTheTriangles) {
+  forEachPair(5, kSamples, [](const Triangle& first, const Triangle& second) {
+    const ClosestPair pair = closestPoints(first, second);
+    const Vector3d& w = pair.on_second.barycentric;
+    const double coordinate = std::max(largestCoordinate(first), largestCoordinate(second));
+    const double tolerance = kPromise * kUnit * (extentOf(first, second) + coordinate);
+    ASSERT_LE(exact::distance(pair.point_on_first, first), tolerance);
+    ASSERT_LE(exact::distance(pair.on_second.point, second), tolerance);
+    ASSERT_LE(
+        (w.x() * second.a + w.y() * second.b + w.z() * second.c - pair.on_second.point).norm(),
+        2 * tolerance);
+    ASSERT_LE((pair.on_second.point - pair.point_on_first - pair.on_second.offset).norm(),
+              2 * tolerance);
+    ASSERT_EQ(pair.on_second.squared_distance, squaredLength(pair.on_second.offset));
+  });
+}
+
+TEST(ClosestPoints, AreNeverNearerThanTheBoxes) {
+  forEachPair(6, kSamples, [](const Triangle& first, const Triangle& second) {
+    const double distance = closestPoints(first, second).on_second.squared_distance;
+    ASSERT_LE(squaredDistance(boxOf(first), boxOf(second)), distance);
+  });
+}
+
+TEST(ClosestPoints, AreNeverNearerThanTheBoxesOfThinTriangles) {
+  HardTriangles triangles(7);
+  // they are nearer than their boxes by less than a rounding error
+  for (int i = 0; i < kSamples; ++i) {
+    Triangle first = triangles.triangle(Shape::kRandom);
+    Triangle second = triangles.triangle(Shape::kRandom);
+    for (Vector3d* corner : {&first.a, &first.b, &first.c}) corner->x() *= 1e-15;
+    const double gap = triangles.uniform(0, 4);
+    for (Vector3d* corner : {&second.a, &second.b, &second.c})
+      corner->x() = gap + 1e-15 * corner->x();
+    ASSERT_LE(squaredDistance(boxOf(first), boxOf(second)),
+              closestPoints(first, second).on_second.squared_distance);
+  }
+}
+
+TEST(ClosestPoints, ScalingByAPowerOfTwoChangesNoOtherBit) {
+  for (const int exponent : {-300, -101, 1, 300}) {
+    const double scale = std::ldexp(1.0, exponent);
+    forEachPair(8, kSamples / 5, [scale](const Triangle& first, const Triangle& second) {
+      const ClosestPair pair = closestPoints(first, second);
+      const ClosestPair other = closestPoints(scaled(first, scale), scaled(second, scale));
+      ASSERT_EQ(other.point_on_first, scale * pair.point_on_first);
+      ASSERT_EQ(other.on_second.point, scale * pair.on_second.point);
+      ASSERT_EQ(other.on_second.offset, scale * pair.on_second.offset);
+      ASSERT_EQ(other.on_second.squared_distance, scale * scale * pair.on_second.squared_distance);
+      ASSERT_EQ(other.on_second.barycentric, pair.on_second.barycentric);
+      ASSERT_EQ(other.on_second.feature, pair.on_second.feature);
+    });
+  }
+}
+
+TEST(ClosestPoints, AreFiniteForTheLargestCoordinates) {
+  HardTriangles triangles(9);
+  for (int i = 0; i < kSamples; ++i) {
+    const auto any = [&triangles] {
+      const double size =
+          triangles.oneIn(2) ? 0.999 * kLargestCoordinate : triangles.magnitude(-320, 0);
+      return Vector3d(size * triangles.inCube());
+    };
+    const ClosestPair pair = closestPoints({any(), any(), any()}, {any(), any(), any()});
+    ASSERT_TRUE(pair.point_on_first.allFinite() && pair.on_second.point.allFinite());
+    ASSERT_TRUE(pair.on_second.offset.allFinite() && pair.on_second.barycentric.allFinite());
+    ASSERT_TRUE(std::isfinite(pair.on_second.squared_distance));
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core
