@@ -55,7 +55,7 @@ const urdf::Mesh& mesh(const std::string& link, const urdf::Collision& collision
 }
 
 Eigen::Vector3d scale(const std::string& link, const urdf::Mesh& mesh) {
-  const Eigen::Vector3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+  Eigen::Vector3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   if (scale.allFinite() && (scale.array() != 0.0).all()) return scale;
   std::ostringstream message;
   message << "its mesh has the scale (" << scale.transpose()

@@ -30,10 +30,10 @@ std_msgs::ColorRGBA colour(double red, double green, double blue, double alpha =
 }
 
 std_msgs::ColorRGBA instrumentColour(std::size_t instrument) {
-  static const std::array<std_msgs::ColorRGBA, 6> colours = {
+  static const std::array<std_msgs::ColorRGBA, 6> kColours = {
       colour(1.0, 0.9, 0.0), colour(0.1, 1.0, 0.2), colour(0.2, 0.7, 1.0),
       colour(1.0, 0.5, 0.0), colour(0.9, 0.3, 1.0), colour(1.0, 1.0, 1.0)};
-  return colours[instrument % colours.size()];
+  return kColours[instrument % kColours.size()];
 }
 
 Marker marker(const std::string& frame, const std::string& what, std::size_t id, int type,
