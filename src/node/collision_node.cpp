@@ -50,7 +50,7 @@ void requireFrame(const std::string& frame, const Organ& organ) {
 
 }  // namespace
 
-CollisionNode::CollisionNode(ros::NodeHandle node, ros::NodeHandle private_node)
+CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle private_node)
     : scene_(readScene(private_node)),
       organs_(loadOrgans(scene_, node)),
       tf_node_(onQueue(node, tf_queue_)),

@@ -30,7 +30,7 @@ namespace organ_collision::node {
 class CollisionNode {
  public:
   /// Reads the scene and loads the organs. Throws std::exception naming what is wrong.
-  CollisionNode(ros::NodeHandle node, ros::NodeHandle private_node);
+  CollisionNode(const ros::NodeHandle& node, ros::NodeHandle private_node);
   ~CollisionNode();
   CollisionNode(const CollisionNode&) = delete;
   CollisionNode& operator=(const CollisionNode&) = delete;

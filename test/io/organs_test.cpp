@@ -1,5 +1,5 @@
 // The shipped liver, and the organs of the folder that the environment variable ORGAN_MESHES names.
-// ORGAN_QUERIES sets the queries for each (scripts/soak asks for 100000).
+// TEST_QUERIES sets the queries for each (scripts/soak asks for 100000).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <string>
 
 #include "brute_force.h"
+#include "core/organs_and_tips.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/triangle_intersection.h"
 #include "organ_collision/io/mesh_io.h"
@@ -24,16 +25,12 @@ using core::NearestTriangle;
 using core::Triangle;
 using core::TriangleId;
 using core::TriangleMesh;
+using test::queryCount;
+using test::rounding;
 
-constexpr double kUnitRoundoff = 0x1p-53;
 constexpr std::size_t kDefaultQueries = 1000;
 constexpr std::size_t kLargestPaperMesh =
     12000;  // triangles; the literal transcription takes their square
-
-std::size_t queryCount() {
-  const char* wanted = std::getenv("ORGAN_QUERIES");
-  return wanted == nullptr ? kDefaultQueries : std::stoul(wanted);
-}
 
 std::filesystem::path liver() { return std::filesystem::path(MESHES) / "liver.obj"; }
 
@@ -65,12 +62,6 @@ Eigen::Vector3d randomTip(std::mt19937& generator, const CollisionMesh& organ) {
   }
 }
 
-double rounding(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
-  const core::Box& box = organ.health().box;
-  return 4.0 * kUnitRoundoff *
-         (tip - box.low).cwiseAbs().cwiseMax((tip - box.high).cwiseAbs()).norm();
-}
-
 class Organs : public testing::TestWithParam<std::filesystem::path> {
  protected:
   const CollisionMesh organ_{io::loadMesh(GetParam())};
@@ -78,7 +69,7 @@ class Organs : public testing::TestWithParam<std::filesystem::path> {
 };
 
 TEST_P(Organs, ExactAnswersEqualBruteForceAndBoundsHoldTheTruth) {
-  for (std::size_t i = 0; i < queryCount(); ++i) {
+  for (std::size_t i = 0; i < queryCount(kDefaultQueries); ++i) {
     const Eigen::Vector3d tip = randomTip(generator_, organ_);
     const double truth = std::sqrt(test::squaredDistanceByBruteForce(organ_.mesh(), tip));
     const NearestTriangle exact = core::nearestTriangle(organ_, tip);
@@ -96,11 +87,12 @@ TEST_P(Organs, ExactAnswersEqualBruteForceAndBoundsHoldTheTruth) {
 }
 
 TEST_P(Organs, GreedyAnswersEqualThePapersPseudoCode) {
-  if (queryCount() <= kDefaultQueries && organ_.mesh().triangleCount() > kLargestPaperMesh) {
+  if (queryCount(kDefaultQueries) <= kDefaultQueries &&
+      organ_.mesh().triangleCount() > kLargestPaperMesh) {
     GTEST_SKIP() << "more than " << kLargestPaperMesh << " triangles: in scripts/soak only";
   }
   const test::PaperHierarchy paper(organ_.mesh());
-  for (std::size_t i = 0; i < queryCount(); ++i) {
+  for (std::size_t i = 0; i < queryCount(kDefaultQueries); ++i) {
     const Eigen::Vector3d tip = randomTip(generator_, organ_);
     ASSERT_EQ(core::nearestTriangle(organ_, tip, Accuracy::greedy()).triangle, paper.search(tip));
   }

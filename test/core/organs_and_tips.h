@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "organ_collision/core/collision_mesh.h"
+#include "test_meshes.h"
+
+// What is asked in random tests: about which surfaces, from where.
+namespace organ_collision::test {
+
+/// All kinds of surfaces: closed, open, flat with ties everywhere, broken.
+inline const std::vector<core::CollisionMesh>& organs() {
+  static const std::vector<core::CollisionMesh> all = {
+      core::CollisionMesh(cube()),
+      core::CollisionMesh(grid(8, 8)),
+      core::CollisionMesh(grid(38, 39)),
+      core::CollisionMesh(row(101)),
+      core::CollisionMesh(blob(4)),
+      core::CollisionMesh(soup(500, 3)),
+      core::CollisionMesh(TriangleMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {corners(0, 1, 2)}))};
+  return all;
+}
+
+/// Near, on and far from the organ, some on its vertices and centroids, where ties are.
+inline Eigen::Vector3d randomTip(std::mt19937& generator, const core::CollisionMesh& organ) {
+  const core::Box& box = organ.health().box;
+  const double size = (box.high - box.low).maxCoeff();
+  const Points& positions = organ.mesh().positions();
+  const Eigen::Vector3d vertex = positions[generator() % positions.size()];
+  const auto triangle = static_cast<core::TriangleId>(generator() % organ.mesh().triangleCount());
+  switch (generator() % 6) {
+    case 0:
+      return vertex;
+    case 1:
+      return core::centroid(organ.mesh().triangle(triangle));
+    case 2:
+      return vertex + randomPoint(generator, 0.01 * size);
+    case 3:
+      return 0.5 * (box.low + box.high) + randomPoint(generator, size);
+    case 4:
+      return Eigen::Vector3d(std::round(vertex.x()), std::round(vertex.y()), 0.5 * size);
+    default:
+      return randomPoint(generator, 100.0 * size);
+  }
+}
+
+inline core::Triangle randomTriangle(std::mt19937& generator, const core::CollisionMesh& organ) {
+  const Eigen::Vector3d a = randomTip(generator, organ);
+  const double size = 0.1 * (organ.health().box.high - organ.health().box.low).maxCoeff();
+  return {a, a + randomPoint(generator, size), a + randomPoint(generator, size)};
+}
+
+/// 4*u*extent [m]: what answers may differ by from the truth.
+inline double rounding(const core::CollisionMesh& organ, const Eigen::Vector3d& tip) {
+  const core::Box& box = organ.health().box;
+  const double extent = (tip - box.low).cwiseAbs().cwiseMax((tip - box.high).cwiseAbs()).norm();
+  return 4.0 * 0x1p-53 * extent;
+}
+
+/// How many queries a test makes: TEST_QUERIES in the environment (scripts/soak asks for many),
+/// else `usual`.
+inline std::size_t queryCount(std::size_t usual) {
+  const char* wanted = std::getenv("TEST_QUERIES");
+  return wanted == nullptr ? usual : std::stoul(wanted);
+}
+
+}  // namespace organ_collision::test
