@@ -19,6 +19,7 @@ constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
+constexpr double kTransformPatience = 0.1;  // [s] that a service waits for a transform
 constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
 constexpr unsigned kSpinnerThreads = 4;  // so that a few large batches do not keep updates waiting
 constexpr unsigned kUpdateQueue =
@@ -111,19 +112,19 @@ CollisionNode::~CollisionNode() {
 
 void CollisionNode::run() {
   const ros::WallDuration shortest(1.0 / scene_.rate);
-  ros::WallTime last_cycle;
-  ros::WallTime last_published;
+  const ros::WallDuration heartbeat(kHeartbeat);
+  ros::WallTime last_cycle = ros::WallTime::now();
+  ros::WallTime last_published = last_cycle;
   while (ros::ok()) {
-    tf_queue_.callAvailable(ros::WallDuration(kHeartbeat));
-    const ros::WallTime now = ros::WallTime::now();
-    const ros::WallDuration too_early = shortest - (now - last_cycle);
+    const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::WallTime::now();
+    tf_queue_.callAvailable(std::max(to_heartbeat, ros::WallDuration(0)));
+    const ros::WallDuration too_early = last_cycle + shortest - ros::WallTime::now();
     if (too_early > ros::WallDuration(0)) {
       too_early.sleep();
       tf_queue_.callAvailable();
     }
     last_cycle = ros::WallTime::now();
-    const bool heartbeat = (last_cycle - last_published).toSec() >= kHeartbeat;
-    if (!cycle_.lookUpTips() && !heartbeat) continue;
+    if (!cycle_.lookUpTips() && last_cycle - last_published < heartbeat) continue;
     publishContacts();
     last_published = last_cycle;
   }
@@ -174,7 +175,7 @@ FramePose CollisionNode::waitForPose(const Organ& organ, const std_msgs::Header&
   if (header.frame_id != organ.frame()) {
     // A transform of just now may still be on its way.
     buffer_.canTransform(organ.frame(), header.frame_id, header.stamp,
-                         ros::Duration(scene_.stale_after));
+                         ros::Duration(kTransformPatience));
   }
   const FrameLookup lookup = lookUpFrame(buffer_, organ.frame(), header.frame_id, header.stamp);
   if (lookup.pose) return *lookup.pose;
@@ -238,13 +239,21 @@ bool CollisionNode::getMesh(GetMesh::Request& request, GetMesh::Response& respon
 
 void CollisionNode::takeMeshUpdate(const MeshUpdate& update) {
   try {
-    Organ& organ = organNamed(update.organ);
-    requireFrame(update.header.frame_id, organ);
-    organ.enqueue(movesFrom(update));
+    enqueue(organNamed(update.organ), update);
   } catch (const std::exception& error) {
     ROS_ERROR_THROTTLE(kWarningPeriod, "refused an update of the mesh of '%s': %s",
                        update.organ.c_str(), error.what());
-    return;
+  }
+}
+
+void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
+  try {
+    requireFrame(update.header.frame_id, organ);
+    organ.enqueue(movesFrom(update));
+  } catch (const std::exception&) {
+    organ.countLostUpdate();
+    publishMeshInfo();
+    throw;
   }
   {
     const std::lock_guard<std::mutex> lock(updates_mutex_);

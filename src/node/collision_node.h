@@ -48,6 +48,7 @@ class CollisionNode {
   bool updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response);
   bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
   void takeMeshUpdate(const MeshUpdate& update);
+  void enqueue(Organ& organ, const MeshUpdate& update);
   void applyUpdates();
   void publishMeshInfo();
   void publishMarkers();

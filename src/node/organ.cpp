@@ -143,15 +143,15 @@ core::Points Organ::accept(const VertexMoves& moves) {
 
 void Organ::enqueue(const VertexMoves& moves) {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
-  try {
-    requireFitting(moves, latest_.size());
-  } catch (const std::invalid_argument&) {
-    ++counters_.updates_lost;
-    throw;
-  }
+  requireFitting(moves, latest_.size());
   apply(moves, latest_);
   if (enqueued_) ++counters_.updates_merged;
   enqueued_ = true;
+}
+
+void Organ::countLostUpdate() {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  ++counters_.updates_lost;
 }
 
 bool Organ::applyEnqueued() {

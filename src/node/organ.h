@@ -65,6 +65,9 @@ class Organ {
   /// lost. Does not wait for an update under way.
   void enqueue(const VertexMoves& moves);
 
+  /// Counts an update that was refused before it was tried or by enqueue().
+  void countLostUpdate();
+
   /// Refits to all that was enqueued; false if nothing was.
   bool applyEnqueued();
 

@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""The node started with scenes good and bad. It runs, or ends soon, saying what is wrong."""
+import concurrent.futures
+import functools
+import os
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import roslib.packages
+import rospkg
+import rospy
+import yaml
+from rostest_support import PATIENCE, run
+
+from organ_collision.msg import MeshInfoArray
+
+LONGEST_START = 10.0  # [s]
+LIVER = "package://organ_collision/meshes/liver.obj"
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+NODE = roslib.packages.find_node("organ_collision", "organ_collision_node")[0]
+
+
+def organ(**fields):
+    return {"name": "liver", "frame": "liver", "mesh": LIVER, **fields}
+
+
+def scene(**fields):
+    return {"organs": [organ()], "instruments": [{"name": "left", "frame": "left_tip"}], **fields}
+
+
+def start(name, described):
+    """A node of this name with this scene; none: without."""
+    if described is not None:
+        rospy.set_param(f"/{name}/scene", described)
+    return subprocess.Popen([NODE, f"__name:={name}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def written(folder, name, content):
+    """The path of a new file."""
+    path = os.path.join(folder, name)
+    with open(path, "wb") as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def bad_meshes(folder):
+    """Files that nobody should accept, and what the error names beside the path."""
+    bad = functools.partial(written, folder)
+    ply = "ply\nformat {}\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    points = "0 0 0\n1 0 0\n0 1 0\n"
+    return {
+        "empty": (bad("empty.obj", ""), "empty"),
+        "without_triangles": (bad("points.obj", "v 0 0 0\nv 1 0 0\n"), "triangle"),
+        "not_a_mesh": (bad("garbage.obj", os.urandom(1000)), ""),
+        "not_a_ply": (bad("garbage.ply", os.urandom(1000)), ""),
+        "not_an_stl": (bad("garbage.stl", os.urandom(1000)), ""),
+        "not_a_collada": (bad("garbage.dae", "<COLLADA><mesh"), ""),
+        "of_unknown_kind": (bad("garbage.docx", os.urandom(1000)), ""),
+        "nan_vertex": (bad("nan.obj", TRIANGLE.replace("v 1 0 0", "v nan 0 0")), "nan"),
+        "infinite_vertex": (bad("infinite.obj", TRIANGLE.replace("v 1 0 0", "v inf 0 0")), "inf"),
+        "index_out_of_range": (bad("index.obj", TRIANGLE.replace("f 1 2 3", "f 1 2 4")), "4"),
+        "ply_index_negative": (bad("negative.ply", ply.format("ascii 1.0") + points + "3 0 1 -1\n"), "-1"),
+        "ply_index_out_of_range": (bad("large.ply", ply.format("ascii 1.0") + points + "3 0 1 7\n"), "7"),
+        "ply_cut_off": (bad("cut.ply", ply.format("binary_little_endian 1.0").encode() + b"\0" * 20), ""),
+        "off_cut_off": (bad("cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n"), ""),
+        "stl_cut_off": (bad("cut.stl", b"\0" * 80 + b"\xff\xff\xff\x0f" + b"\0" * 50), ""),
+    }
+
+
+def bad_scenes(folder):
+    """Scenes that are refused, and what the error names."""
+    outside = written(folder, "outside.obj", TRIANGLE)
+    root = os.path.join(folder, "root")
+    os.mkdir(root)
+    link = os.path.join(root, "link.obj")
+    os.symlink(outside, link)
+    missing = os.path.join(folder, "missing.obj")
+
+    cases = {
+        "no_scene": (None, ["no_scene/scene"]),
+        "not_a_map": ("liver", ["scene", "liver"]),
+        "no_organs": ({"instruments": []}, ["scene.organs"]),
+        "empty_organs": (scene(organs=[]), ["scene.organs"]),
+        "unknown_key": (scene(colour="red"), ["scene.colour"]),
+        "unknown_key_of_an_organ": (scene(organs=[organ(colour="red")]), ["scene.organs[0].colour"]),
+        "unknown_key_of_an_instrument":
+            (scene(instruments=[{"name": "left", "frame": "left_tip", "radius": 0.1}]),
+             ["scene.instruments[0].radius"]),
+        "unknown_key_of_accuracy": (scene(accuracy={"epsilon": 0.1}), ["scene.accuracy.epsilon"]),
+        "unknown_shape":
+            (scene(instruments=[{"name": "left", "frame": "left_tip", "shape": "hook"}]), ["hook"]),
+        "no_frame": (scene(organs=[{"name": "liver", "mesh": LIVER}]), ["scene.organs[0].frame"]),
+        "no_mesh": (scene(organs=[{"name": "liver", "frame": "liver"}]), ["scene.organs[0]", "mesh"]),
+        "negative_scale": (scene(organs=[organ(scale=-1.0)]), ["scene.organs[0].scale", "-1"]),
+        "zero_rate": (scene(rate=0), ["scene.rate", "0"]),
+        "rate_in_words": (scene(rate="fast"), ["scene.rate", "fast"]),
+        "negative_stale_after": (scene(stale_after=-0.1), ["scene.stale_after", "-0.1"]),
+        "negative_max_distance": (scene(max_distance=-1), ["scene.max_distance", "-1"]),
+        "negative_error": (scene(accuracy={"max_relative_error": -0.5}), ["scene.accuracy.max_relative_error"]),
+        "negative_leaves": (scene(accuracy={"max_leaves": -1}), ["scene.accuracy.max_leaves", "-1"]),
+        "pair_of_strangers": (scene(pairs=[["left", "spleen"]]), ["scene.pairs[0]", "spleen"]),
+        "name_twice": (scene(organs=[organ(), organ()]), ["scene.organs[1].name", "liver"]),
+        "unknown_package":
+            (scene(organs=[organ(mesh="package://no_such_package/liver.obj")]), ["no_such_package"]),
+        "missing_mesh": (scene(organs=[organ(mesh=missing)]), [missing]),
+        "missing_mesh_in_package":
+            (scene(organs=[organ(mesh=LIVER + "x")]),
+             [os.path.join(rospkg.RosPack().get_path("organ_collision"), "meshes", "liver.objx")]),
+        "folder_as_mesh": (scene(organs=[organ(mesh=folder)]), [folder]),
+        "outside_mesh_root": (scene(organs=[organ(mesh=outside)], mesh_root=root), [outside, root]),
+        "link_out_of_mesh_root": (scene(organs=[organ(mesh=link)], mesh_root=root), [outside, root]),
+        "missing_mesh_root": (scene(mesh_root=missing), [missing]),
+        "link_without_description":
+            (scene(organs=[{"name": "liver", "frame": "liver", "link": "liver"}]), ["robot_description"]),
+    }
+    for what, (path, name) in bad_meshes(folder).items():
+        cases["mesh_" + what] = (scene(organs=[organ(mesh=path)]), [path, name])
+    return cases
+
+
+class Starts(unittest.TestCase):
+    def complaint(self, name, described, wanted):
+        """What is wrong with this start; empty if nothing is."""
+        process = start(name, described)
+        try:
+            output, _ = process.communicate(timeout=LONGEST_START)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            return f"{name}: runs on, saying {process.communicate()[0]}"
+        if process.returncode <= 0:  # negative: killed by a signal
+            return f"{name}: ends with {process.returncode}, saying {output}"
+        silent = [word for word in wanted if word not in output]
+        return f"{name}: does not name {silent}, but says {output}" if silent else ""
+
+    def test_a_bad_scene_ends_the_node_with_an_error_that_names_the_thing(self):
+        with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(4) as pool:
+            complaints = "\n".join(filter(None, pool.map(lambda case: self.complaint(case[0], *case[1]),
+                                                         bad_scenes(os.path.realpath(folder)).items())))
+        if complaints:
+            self.fail(complaints)
+
+    def check_that_it_runs(self, name, described):
+        """Returns the names of its organs."""
+        process = start(name, described)
+        try:
+            infos = rospy.wait_for_message(f"/{name}/mesh_info", MeshInfoArray, PATIENCE)
+            self.assertIsNone(process.poll())
+        finally:
+            process.send_signal(signal.SIGINT)
+            output, _ = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 0, output)
+        return [info.organ for info in infos.meshes]
+
+    def test_a_good_scene_runs_until_it_is_stopped_and_ends_without_an_error(self):
+        self.assertEqual(self.check_that_it_runs("good", scene()), ["liver"])
+
+    def test_every_scene_in_config_runs(self):
+        config = os.path.join(rospkg.RosPack().get_path("organ_collision"), "config")
+        shipped = {}
+        for file in os.listdir(config):
+            if file.endswith(".yaml"):
+                with open(os.path.join(config, file)) as text:
+                    shipped[file.replace(".yaml", "")] = (yaml.safe_load(text) or {}).get("scene")
+        scenes = {name: described for name, described in shipped.items() if described}
+        self.assertIn("demo", scenes)
+        for name, described in scenes.items():
+            self.assertEqual(self.check_that_it_runs(name, described),
+                             [each["name"] for each in described["organs"]])
+
+
+if __name__ == "__main__":
+    run(Starts)
