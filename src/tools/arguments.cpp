@@ -1,0 +1,79 @@
+#include "arguments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+namespace organ_collision::tools {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& value,
+                         const std::string& wanted) {
+  throw UsageError(option + " " + value + ": " + wanted + " is wanted");
+}
+
+}  // namespace
+
+Arguments::Arguments(const std::vector<std::string>& words, const std::vector<std::string>& known) {
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (word->size() < 2 || word->front() != '-') {
+      words_.push_back(*word);
+      continue;
+    }
+    const std::size_t equals = word->find('=');
+    const std::string name = word->substr(0, equals);
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw UsageError("there is no option " + name);
+    }
+    if (equals == std::string::npos && std::next(word) == words.end()) {
+      throw UsageError(name + " has no value");
+    }
+    const std::string value = equals == std::string::npos ? *++word : word->substr(equals + 1);
+    if (!options_.emplace(name, value).second) throw UsageError(name + " is given twice");
+  }
+}
+
+std::optional<std::string> Arguments::option(const std::string& name) const {
+  const auto found = options_.find(name);
+  if (found == options_.end()) return std::nullopt;
+  return found->second;
+}
+
+double Arguments::aboveZero(const std::string& name, double otherwise) const {
+  const std::optional<std::string> text = option(name);
+  if (!text) return otherwise;
+  char* end = nullptr;
+  const double value = std::strtod(text->c_str(), &end);
+  if (text->empty() || *end != '\0' || !std::isfinite(value) || value <= 0.0) {
+    refuse(name, *text, "a finite number above 0");
+  }
+  return value;
+}
+
+std::size_t Arguments::whole(const std::string& name, std::size_t otherwise) const {
+  constexpr std::size_t kMostDigits = 15;
+  const std::optional<std::string> text = option(name);
+  if (!text) return otherwise;
+  if (text->empty() || text->size() > kMostDigits ||
+      text->find_first_not_of("0123456789") != std::string::npos) {
+    refuse(name, *text, "a whole number of at most 15 digits");
+  }
+  return std::stoull(*text);
+}
+
+std::optional<std::filesystem::path> findPackage(const std::string& package) {
+  const char* path = std::getenv("ROS_PACKAGE_PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::filesystem::path root(folder);
+    for (const auto& candidate : {root / package, root}) {
+      if (candidate.filename() == package && std::filesystem::exists(candidate / "package.xml")) {
+        return candidate;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace organ_collision::tools

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace organ_collision::tools {
+
+/// The user asked for what there is not.
+struct UsageError : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// What a command line says: words, and options with a value each ("--seed 7" or "--seed=7").
+class Arguments {
+ public:
+  /// `words`: without the program's name. Throws UsageError for an option that is not in `known`,
+  /// is given twice or has no value.
+  Arguments(const std::vector<std::string>& words, const std::vector<std::string>& known);
+
+  const std::vector<std::string>& words() const { return words_; }
+  std::optional<std::string> option(const std::string& name) const;
+
+  /// The option's number, or `otherwise`. Throws UsageError unless it is finite and above 0.
+  double aboveZero(const std::string& name, double otherwise) const;
+  /// The same for a whole number of 0 or more.
+  std::size_t whole(const std::string& name, std::size_t otherwise) const;
+
+ private:
+  std::vector<std::string> words_;
+  std::map<std::string, std::string> options_;
+};
+
+/// Where ROS_PACKAGE_PATH has `package`: one of its folders or a folder right below one.
+std::optional<std::filesystem::path> findPackage(const std::string& package);
+
+}  // namespace organ_collision::tools

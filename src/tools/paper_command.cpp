@@ -1,0 +1,88 @@
+#include "paper_command.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+
+#include "arguments.h"
+#include "output.h"
+#include "paper_experiment.h"
+#include "paper_report.h"
+#include "progress.h"
+
+namespace organ_collision::tools {
+namespace {
+
+constexpr std::size_t kMostSteps = 10'000'000;  // a gigabyte of tips
+
+constexpr const char* kUsage =
+    "usage: reproduce_paper [--output DIR] [--seed N] [--steps N]\n"
+    "\n"
+    "Measures the paper's greedy search, with the exact one beside it, on the 23 meshes of its\n"
+    "Table 1, and what the paper does not tell: how often the greedy answer is a nearest triangle\n"
+    "and how far off it is. Prints a table; writes paper_table1.csv and paper_fig4.svg.\n"
+    "\n"
+    "  --output DIR    where the files are written (default: here)\n"
+    "  --seed N        of the tip's path (default 1): the same seed gives the same counts and "
+    "errors\n"
+    "  --steps N       queries on each mesh (default 10000)\n"
+    "  --help          this\n";
+
+struct Options {
+  std::filesystem::path output;
+  std::uint64_t seed;
+  std::size_t steps;
+};
+
+/// Throws UsageError.
+Options optionsFrom(const std::vector<std::string>& words) {
+  const Arguments arguments(words, {"--output", "--seed", "--steps"});
+  if (!arguments.words().empty()) {
+    throw UsageError(arguments.words().front() + ": no such argument is wanted");
+  }
+  const Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
+                        arguments.whole("--steps", 10'000)};
+  if (options.steps < 1 || options.steps > kMostSteps) {
+    throw UsageError("--steps " + std::to_string(options.steps) + ": 1 to " +
+                     std::to_string(kMostSteps) + " are wanted");
+  }
+  return options;
+}
+
+std::vector<PaperRow> measureAll(const Options& options) {
+  const std::vector<PaperGrid> grids = paperGrids();
+  Progress progress("measuring", grids.size() * (kPasses + 1));
+  return measure(grids, options.steps, options.seed, [&] { progress.advance(); });
+}
+
+void run(const Options& options, std::ostream& out) {
+  requireWritableFolder(options.output);
+  const std::vector<PaperRow> rows = measureAll(options);
+  const std::filesystem::path table = options.output / "paper_table1.csv";
+  const std::filesystem::path figure = options.output / "paper_fig4.svg";
+  writeFile(table, paperCsv(rows));
+  writeFile(figure, svg(paperFigure(rows)));
+  out << paperTable(rows) << "\nWritten: " << table.string() << ", " << figure.string()
+      << std::endl;
+}
+
+}  // namespace
+
+int reproducePaper(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors) {
+  try {
+    if (std::find(words.begin(), words.end(), "--help") != words.end()) {
+      out << kUsage;
+      return 0;
+    }
+    run(optionsFrom(words), out);
+    return 0;
+  } catch (const UsageError& error) {
+    errors << "reproduce_paper: " << error.what() << "; --help shows how it is used" << std::endl;
+    return 2;
+  } catch (const std::exception& error) {
+    errors << "reproduce_paper: " << error.what() << std::endl;
+    return 1;
+  }
+}
+
+}  // namespace organ_collision::tools

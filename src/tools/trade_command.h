@@ -1,0 +1,13 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace organ_collision::tools {
+
+/// The command `measure_trade`. `words`: without the program's name. The report goes to `out`, one
+/// message of what went wrong to `errors`. Returns the exit code: 0, 1, or 2 for wrong arguments.
+int measureTrade(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors);
+
+}  // namespace organ_collision::tools

@@ -1,0 +1,374 @@
+#include "trade_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <utility>
+
+#include "output.h"
+
+namespace organ_collision::tools {
+namespace {
+
+constexpr double kMicroseconds = 1e6;  // per second
+constexpr double kMilliseconds = 1e3;  // per second
+constexpr double kMillimetres = 1e3;   // per metre
+constexpr double kPercent = 100.0;
+
+constexpr std::size_t kNearBands = 2;  // 0-1 and 1-5 mm, the first of bands()
+constexpr std::array<double, 3> kErrorsAskedFor = {1e-3, 1e-4, 1e-5};  // [m]
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text{};  // the largest double has 309 digits
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+/// A length [m] in mm that fits a column: 0 only if there is none.
+std::string millimetres(double length) {
+  const double value = length * kMillimetres;
+  if (value == 0.0) return "0";
+  if (value < 5e-5) return "<.0001";
+  return fixed(value, value < 10.0 ? 4 : value < 1000.0 ? 2 : 0);
+}
+
+std::string microseconds(double time) {
+  const double value = time * kMicroseconds;
+  return fixed(value, value < 100.0 ? 2 : 0);
+}
+
+std::string perQuery(double count) { return fixed(count, count < 1000.0 ? 1 : 0); }
+
+std::string centred(const std::string& words, std::size_t width) {
+  const std::size_t spare = width - std::min(width, words.size());
+  return std::string(spare - spare / 2, ' ') + words + std::string(spare / 2, ' ');
+}
+
+/// `cells` right-aligned, the first left-aligned.
+std::string aligned(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) {
+  std::string line;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::string padding(widths[i] - std::min(widths[i], cells[i].size()), ' ');
+    line += i == 0 ? cells[i] + padding : padding + cells[i];
+  }
+  return line + '\n';
+}
+
+/// An upper limit [m] of what 99.9 % of a setting's errors stay below: the proven one, or with 95 %
+/// confidence what was measured.
+double errorLimit(const core::Accuracy& accuracy, const Summary& summary) {
+  const bool is_proven = accuracy.max_leaves == 0 && accuracy.max_relative_error == 0.0;
+  return is_proven ? std::min(accuracy.max_absolute_error, summary.error_p999_limit)
+                   : summary.error_p999_limit;
+}
+
+/// How to set a mark of the dial.
+std::string inWords(const Setting& setting) {
+  switch (setting.family) {
+    case Family::kGreedy:
+      return "max_leaves 1 (greedy)";
+    case Family::kLeaves:
+      return "max_leaves " + std::to_string(setting.accuracy.max_leaves);
+    case Family::kRelative:
+      return "max_relative_error " + significant(setting.accuracy.max_relative_error);
+    case Family::kAbsolute:
+      return "max_absolute_error " + significant(setting.accuracy.max_absolute_error) + " m";
+    case Family::kExact:
+      break;
+  }
+  return "all zero (exact)";
+}
+
+using BandList = std::vector<const BandTrade*>;
+
+/// The bands of `from` that have tips.
+BandList withTips(const std::vector<BandTrade>& from) {
+  BandList result;
+  for (const BandTrade& band : from) {
+    if (band.tipCount() > 0) result.push_back(&band);
+  }
+  return result;
+}
+
+std::vector<double> pooledTimes(const BandList& bands, std::size_t s) {
+  std::vector<double> times;
+  for (const BandTrade* band : bands) {
+    times.insert(times.end(), band->samples[s].times.begin(), band->samples[s].times.end());
+  }
+  return times;
+}
+
+/// The fastest setting whose errors stay within `error` [m] in all of `bands`; the exact one if it
+/// costs hardly more. REQUIRES: bands are not empty.
+std::size_t fastestWithin(double error, const BandList& bands) {
+  constexpr double kWorthwhile = 0.9;  // of the exact setting's time: less is noise
+  const std::vector<Setting> settings = dial();
+  std::size_t best = settings.size() - 1;
+  double best_time = kWorthwhile * median(pooledTimes(bands, best));
+  for (std::size_t s = 0; s + 1 < settings.size(); ++s) {
+    const bool is_within = std::all_of(bands.begin(), bands.end(), [&](const BandTrade* band) {
+      return errorLimit(settings[s].accuracy, band->summaries[s]) <= error;
+    });
+    const double time = median(pooledTimes(bands, s));
+    if (!is_within || time >= best_time) continue;
+    best = s;
+    best_time = time;
+  }
+  return best;
+}
+
+/// How to set it, and its times.
+std::string inWords(std::size_t s, const BandList& bands) {
+  const std::vector<double> times = pooledTimes(bands, s);
+  return inWords(dial()[s]) + ", " + microseconds(median(times)) + " us (p99 " +
+         microseconds(percentile(times, 0.99)) + " us)";
+}
+
+std::string recommendationFor(const std::string& where, const BandList& bands) {
+  if (bands.empty()) return "";
+  const bool is_told = std::all_of(bands.begin(), bands.end(), [](const BandTrade* band) {
+    return std::isfinite(band->summaries.front().error_p999_limit);
+  });
+  std::string lines =
+      where + (is_told ? ":\n" : " (too few tips to tell 99.9 %: proven errors only):\n");
+  for (const double error : kErrorsAskedFor) {
+    lines += "  for an error below " + significant(error * kMillimetres) +
+             " mm on this mesh: " + inWords(fastestWithin(error, bands), bands) + "\n";
+  }
+  return lines + "  for the exact answer: " + inWords(dial().size() - 1, bands) + "\n";
+}
+
+std::vector<std::string> csvRow(const Trade& trade, const BandTrade& band, std::size_t s) {
+  const Setting setting = dial()[s];
+  const Summary& summary = band.summaries[s];
+  const auto full = [](double value) { return significant(value, 9); };
+  const auto mm = [&](double length) { return full(length * kMillimetres); };
+  return {band.name,
+          setting.name,
+          full(setting.accuracy.max_relative_error),
+          full(setting.accuracy.max_absolute_error),
+          std::to_string(setting.accuracy.max_leaves),
+          std::to_string(band.tipCount()),
+          full(summary.time_median * kMicroseconds),
+          full(summary.time_p99 * kMicroseconds),
+          full(summary.bounds),
+          full(summary.triangles),
+          full(summary.recall),
+          full(summary.recall_interval.low),
+          full(summary.recall_interval.high),
+          mm(summary.error_mean),
+          mm(summary.error_mean_interval.low),
+          mm(summary.error_mean_interval.high),
+          mm(summary.error_p50),
+          mm(summary.error_p99),
+          mm(summary.error_p99_interval.low),
+          mm(summary.error_p99_interval.high),
+          mm(summary.error_p999),
+          mm(summary.error_p999_limit),
+          mm(summary.error_max),
+          mm(summary.gap_mean),
+          mm(summary.gap_p99),
+          std::to_string(band.samples[s].violations),
+          std::to_string(trade.triangles),
+          std::to_string(trade.seed),
+          full(trade.costs.build * kMilliseconds),
+          full(trade.costs.refit * kMilliseconds),
+          full(trade.costs.rebuild * kMilliseconds),
+          full(trade.costs.memory)};
+}
+
+const std::vector<std::string>& csvHeader() {
+  static const std::vector<std::string> header = {"band",
+                                                  "setting",
+                                                  "max_relative_error",
+                                                  "max_absolute_error [m]",
+                                                  "max_leaves",
+                                                  "tips",
+                                                  "time median [us]",
+                                                  "time p99 [us]",
+                                                  "bounds per query",
+                                                  "triangle tests per query",
+                                                  "recall",
+                                                  "recall low (95 %)",
+                                                  "recall high (95 %)",
+                                                  "error mean [mm]",
+                                                  "error mean low (95 %) [mm]",
+                                                  "error mean high (95 %) [mm]",
+                                                  "error p50 [mm]",
+                                                  "error p99 [mm]",
+                                                  "error p99 low (95 %) [mm]",
+                                                  "error p99 high (95 %) [mm]",
+                                                  "error p99.9 [mm]",
+                                                  "error p99.9 upper limit (95 %) [mm]",
+                                                  "error max [mm]",
+                                                  "proven gap mean [mm]",
+                                                  "proven gap p99 [mm]",
+                                                  "violations",
+                                                  "triangles",
+                                                  "seed",
+                                                  "build [ms]",
+                                                  "refit [ms]",
+                                                  "rebuild [ms]",
+                                                  "memory [bytes per triangle]"};
+  return header;
+}
+
+struct FamilyLook {
+  Family family;
+  const char* name;
+  const char* colour;
+};
+
+constexpr std::array<FamilyLook, 5> kFamilies = {
+    {{Family::kGreedy, "greedy (the paper)", colours::kVermilion},
+     {Family::kLeaves, "max_leaves", colours::kBlue},
+     {Family::kRelative, "max_relative_error", colours::kGreen},
+     {Family::kAbsolute, "max_absolute_error", colours::kPurple},
+     {Family::kExact, "exact", colours::kBlack}}};
+
+/// No other setting is as good in both and better in one.
+bool isParetoBest(const std::vector<Summary>& summaries, std::size_t s) {
+  const Summary& own = summaries[s];
+  return std::none_of(summaries.begin(), summaries.end(), [&](const Summary& other) {
+    return other.time_median <= own.time_median && other.error_p99 <= own.error_p99 &&
+           (other.time_median < own.time_median || other.error_p99 < own.error_p99);
+  });
+}
+
+PlotPoint pointOf(const Setting& setting, const Summary& summary, bool is_best) {
+  const bool is_named =
+      is_best || setting.family == Family::kGreedy || setting.family == Family::kExact;
+  return {summary.time_median * kMicroseconds, summary.error_p99 * kMillimetres,
+          is_named ? setting.name : "", is_best};
+}
+
+PlotSeries front(const std::vector<Summary>& summaries) {
+  PlotSeries line{"Pareto front", "#999999", {}, true, false, true};
+  for (std::size_t s = 0; s < summaries.size(); ++s) {
+    if (isParetoBest(summaries, s)) line.points.push_back(pointOf({}, summaries[s], true));
+  }
+  for (PlotPoint& point : line.points) point.label.clear();
+  std::sort(line.points.begin(), line.points.end(),
+            [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  return line;
+}
+
+Plot plotOf(const BandTrade& band) {
+  Plot plot{band.name,
+            {"median time of a query [us]", true},
+            {"p99 of the error [mm]", true, "no error"},
+            {front(band.summaries)}};
+  const std::vector<Setting> settings = dial();
+  for (const FamilyLook& look : kFamilies) {
+    PlotSeries series{look.name, look.colour, {}};
+    for (std::size_t s = 0; s < settings.size(); ++s) {
+      if (settings[s].family != look.family) continue;
+      series.points.push_back(
+          pointOf(settings[s], band.summaries[s], isParetoBest(band.summaries, s)));
+    }
+    plot.series.push_back(series);
+  }
+  return plot;
+}
+
+BandList allBands(const Trade& trade) {
+  BandList bands = withTips(trade.bands);
+  const BandList paths = withTips(trade.paths);
+  bands.insert(bands.end(), paths.begin(), paths.end());
+  return bands;
+}
+
+std::size_t violationsOf(const BandTrade& band) {
+  std::size_t sum = 0;
+  for (const Samples& samples : band.samples) sum += samples.violations;
+  return sum;
+}
+
+std::string costLines(const Trade& trade) {
+  const auto ms = [](double time) { return significant(time * kMilliseconds) + " ms"; };
+  return "Building the hierarchy: " + ms(trade.costs.build) +
+         "; refitting it to moved vertices: " + ms(trade.costs.refit) +
+         ";\nrebuilding it: " + ms(trade.costs.rebuild) +
+         "; memory: " + fixed(trade.costs.memory, 0) + " bytes per triangle.\n";
+}
+
+}  // namespace
+
+std::string table(const BandTrade& band) {
+  if (band.tipCount() == 0) {
+    return band.name + ": no tips; there is no room for them, or nothing proves what is inside\n";
+  }
+  const std::vector<std::size_t> widths = {9, 7, 7, 7, 6, 7, 12, 8, 7, 7, 7, 7, 8, 7};
+  std::string lines = band.name + ": " + std::to_string(band.tipCount()) + " tips, " +
+                      std::to_string(violationsOf(band)) + " violations of bounds or promises\n";
+  lines += std::string(9, ' ') + centred("time [us]", 14) + centred("per query", 13) +
+           centred("found nearest [%]", 19) + centred("error [mm]", 36) + "    gap [mm]\n";
+  lines += aligned({"setting", "median", "p99", "bounds", "tris", "found", "95 % conf.", "mean",
+                    "p50", "p99", "p99.9", "max", "mean", "p99"},
+                   widths);
+  const std::vector<Setting> settings = dial();
+  for (std::size_t s = 0; s < settings.size(); ++s) {
+    const Summary& summary = band.summaries[s];
+    const Interval& recall = summary.recall_interval;
+    lines += aligned(
+        {settings[s].name, microseconds(summary.time_median), microseconds(summary.time_p99),
+         perQuery(summary.bounds), perQuery(summary.triangles), fixed(kPercent * summary.recall, 2),
+         fixed(kPercent * recall.low, 1) + "-" + fixed(kPercent * recall.high, 1),
+         millimetres(summary.error_mean), millimetres(summary.error_p50),
+         millimetres(summary.error_p99), millimetres(summary.error_p999),
+         millimetres(summary.error_max), millimetres(summary.gap_mean),
+         millimetres(summary.gap_p99)},
+        widths);
+  }
+  return lines;
+}
+
+std::string recommendation(const Trade& trade) {
+  const std::size_t near_count = std::min(kNearBands, trade.bands.size());
+  const std::vector<BandTrade> near(trade.bands.begin(),
+                                    trade.bands.begin() + static_cast<std::ptrdiff_t>(near_count));
+  std::string lines =
+      "Recommended: the fastest setting for which 99.9 % of the errors stay below (proven, or "
+      "with\n"
+      "95 % confidence in every band), and its time.\n";
+  lines += recommendationFor("Within 5 mm of the surface", withTips(near));
+  lines += recommendationFor("Anywhere", withTips(trade.bands));
+  for (const BandTrade& path : trade.paths) lines += recommendationFor(path.name, {&path});
+  return lines;
+}
+
+std::string report(const Trade& trade) {
+  std::string text = trade.mesh + ": " + std::to_string(trade.triangles) + " triangles\n\n";
+  for (const BandTrade& band : trade.bands) text += table(band) + "\n";
+  for (const BandTrade& path : trade.paths) text += table(path) + "\n";
+  return text + costLines(trade) + "\n" + recommendation(trade);
+}
+
+std::string csv(const Trade& trade) {
+  std::string text = csvLine(csvHeader());
+  for (const BandTrade* band : allBands(trade)) {
+    for (std::size_t s = 0; s < band->summaries.size(); ++s) {
+      text += csvLine(csvRow(trade, *band, s));
+    }
+  }
+  return text;
+}
+
+Figure figure(const Trade& trade) {
+  Figure result;
+  result.title = "Speed against accuracy on " + trade.mesh + ", " +
+                 std::to_string(trade.triangles) + " triangles";
+  result.note =
+      "Left is faster, down is more accurate. Filled and named: no other setting is better in "
+      "both.";
+  result.columns = 3;
+  result.plot_width = 330.0;
+  result.plot_height = 300.0;
+  result.common_axes = true;
+  for (const BandTrade* band : allBands(trade)) result.plots.push_back(plotOf(*band));
+  return result;
+}
+
+}  // namespace organ_collision::tools
