@@ -27,7 +27,7 @@ class PointTip {
   }
 
  private:
-  Eigen::Vector3d point_;
+  const Eigen::Vector3d& point_;
 };
 
 class TriangleTip {

@@ -10,7 +10,7 @@
 namespace organ_collision::io {
 namespace {
 
-const char* const kNotSupported = " is not supported by this version";
+constexpr const char* kNotSupported = " is not supported by this version";
 
 /// Leaves `target` as it is, the default, if the map has no such key.
 template <typename Target, typename Parse>

@@ -40,8 +40,8 @@ Options optionsFrom(const std::vector<std::string>& words) {
   if (!arguments.words().empty()) {
     throw UsageError(arguments.words().front() + ": no such argument is wanted");
   }
-  const Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
-                        arguments.whole("--steps", 10'000)};
+  Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
+                  arguments.whole("--steps", 10'000)};
   if (options.steps < 1 || options.steps > kMostSteps) {
     throw UsageError("--steps " + std::to_string(options.steps) + ": 1 to " +
                      std::to_string(kMostSteps) + " are wanted");

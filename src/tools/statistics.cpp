@@ -35,15 +35,15 @@ double binomialUpTo(std::size_t most, std::size_t trials, double share) {
   return std::min(sum, 1.0);
 }
 
-/// The first index of `count` for which `isEnough`, which does not go back to false, holds; the
+/// The first index of `count` for which `is_enough`, which does not go back to false, holds; the
 /// last one if none does.
 template <class Predicate>
-std::size_t firstIndex(std::size_t count, const Predicate& isEnough) {
+std::size_t firstIndex(std::size_t count, const Predicate& is_enough) {
   std::size_t low = 0;
   std::size_t high = count - 1;
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
-    if (isEnough(middle)) {
+    if (is_enough(middle)) {
       high = middle;
     } else {
       low = middle + 1;

@@ -223,8 +223,9 @@ class Labels {
         const std::string lead = reach > 8.0 ? leader(x, y, box) : "";
         const std::string anchor = right > 0 ? "start" : right < 0 ? "end" : "middle";
         const double anchor_x = right > 0 ? box.left : right < 0 ? box.right : centre_x;
-        return lead + text(anchor_x, centre_y + 0.35 * kLabelSize, words, anchor, kLabelSize,
-                           " fill=\"" + colour + "\"" + kHalo);
+        const std::string style = std::string(" fill=\"").append(colour).append("\"").append(kHalo);
+        return lead +
+               text(anchor_x, centre_y + 0.35 * kLabelSize, words, anchor, kLabelSize, style);
       }
     }
     return "";  // no room; the table has it
@@ -442,8 +443,9 @@ std::string svg(const Figure& figure) {
     const Plot& plot = figure.plots[i];
     Ranges own;
     own.add(plot);
+    const std::size_t row = i / columns;
     const double left = kMargin + static_cast<double>(i % columns) * figure.plot_width;
-    const double top = header + static_cast<double>(i / columns) * figure.plot_height;
+    const double top = header + static_cast<double>(row) * figure.plot_height;
     const Rectangle area = {left + kLeft, top + kTop, left + figure.plot_width - 10.0,
                             top + figure.plot_height - kBottom};
     document += PlotDrawing(plot, figure.common_axes ? common : own, area).svg();

@@ -84,6 +84,7 @@ std::vector<BandTrade> measureAll(const core::CollisionMesh& organ, const std::v
   for (const Job& job : jobs) tips += job.tips.size();
   Progress progress("measuring", tips);
   std::vector<BandTrade> result;
+  result.reserve(jobs.size());
   for (const Job& job : jobs) {
     result.push_back(measureBand(organ, job.name, job.tips, seed,
                                  [&](std::size_t done) { progress.advance(done); }));
