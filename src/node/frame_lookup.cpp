@@ -4,13 +4,26 @@
 #include <tf2_eigen/tf2_eigen.h>
 
 namespace organ_collision::node {
+namespace {
+
+constexpr double kFarthest = 1e100;  // [m] tf lets infinity pass
+
+bool isUsable(const Eigen::Isometry3d& pose) {
+  return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() < kFarthest;
+}
+
+}  // namespace
 
 FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target,
                         const std::string& source, const ros::Time& time) {
   if (target == source) return {FramePose{Eigen::Isometry3d::Identity(), time}, ""};
   try {
     const geometry_msgs::TransformStamped transform = buffer.lookupTransform(target, source, time);
-    return {FramePose{tf2::transformToEigen(transform), transform.header.stamp}, ""};
+    const FramePose pose = {tf2::transformToEigen(transform), transform.header.stamp};
+    if (!isUsable(pose.target_from_source)) {
+      return {std::nullopt, "tf says that " + source + " is infinitely far from " + target};
+    }
+    return {pose, ""};
   } catch (const tf2::TransformException& error) {
     return {std::nullopt, error.what()};
   }

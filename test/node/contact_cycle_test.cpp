@@ -115,6 +115,18 @@ TEST_F(ContactCycleTest, IsStaleAtOnceWhenTfForgetsTheTip) {
   EXPECT_EQ(recovered.nearest.distance, 1.0);
 }
 
+TEST_F(ContactCycleTest, APoseAtInfinityIsNoPose) {
+  ros::Time now(100.0);
+  for (const double at : {kInfinity, -kInfinity, 1e200}) {
+    now += ros::Duration(0.01);
+    place("liver", "left_tip", {0.5, at, 3.0}, now);
+    const Contact contact = contacts(now).contacts[0];
+    EXPECT_EQ(contact.status, Contact::NO_POSE);
+    EXPECT_FALSE(contact.colliding);
+    EXPECT_NE(cycle_.complaints(now)[0].reason.find("left_tip"), std::string::npos);
+  }
+}
+
 TEST_F(ContactCycleTest, AStaticTipIsNeverStale) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(5.0), true);
   const Contact contact = contacts(ros::Time(1e6)).contacts[0];
