@@ -1,11 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <utility>
 #include <vector>
 
 #include "organ_collision/io/mesh_io.h"
+#include "test_meshes.h"
 
 namespace organ_collision::bench {
 
@@ -14,33 +13,10 @@ using core::Points;
 using core::TriangleMesh;
 using core::VertexId;
 
-/// Every triangle split in four, the new vertices on the old edges.
-inline TriangleMesh subdivided(const TriangleMesh& mesh) {
-  Points points = mesh.positions();
-  std::vector<Corners> triangles;
-  std::map<std::pair<VertexId, VertexId>, VertexId> middles;
-  const auto middle = [&](VertexId a, VertexId b) {
-    const auto [found, is_new] =
-        middles.try_emplace(std::minmax(a, b), static_cast<VertexId>(points.size()));
-    if (is_new) points.emplace_back(0.5 * (mesh.position(a) + mesh.position(b)));
-    return found->second;
-  };
-  for (const auto& [a, b, c] : mesh.triangles()) {
-    const VertexId ab = middle(a, b);
-    const VertexId bc = middle(b, c);
-    const VertexId ca = middle(c, a);
-    for (const Corners& part :
-         {Corners{a, ab, ca}, Corners{ab, b, bc}, Corners{ca, bc, c}, Corners{ab, bc, ca}}) {
-      triangles.push_back(part);
-    }
-  }
-  return {points, triangles};
-}
-
 /// The shipped liver with 11,520 * 4^levels triangles.
 inline TriangleMesh liver(std::size_t levels) {
   TriangleMesh mesh = io::loadMesh(std::filesystem::path(MESHES) / "liver.obj");
-  for (std::size_t level = 0; level < levels; ++level) mesh = subdivided(mesh);
+  for (std::size_t level = 0; level < levels; ++level) mesh = test::subdivided(mesh);
   return mesh;
 }
 

@@ -74,39 +74,48 @@ inline TriangleMesh row(std::size_t count) {
   return {points, triangles};
 }
 
+/// Every triangle split in four, the new vertices in the middle of the old edges.
+inline TriangleMesh subdivided(const TriangleMesh& mesh) {
+  Points points = mesh.positions();
+  std::vector<Corners> triangles;
+  std::map<std::pair<VertexId, VertexId>, VertexId> middles;
+  const auto middle = [&](VertexId a, VertexId b) {
+    const auto [found, is_new] =
+        middles.try_emplace(std::minmax(a, b), static_cast<VertexId>(points.size()));
+    if (is_new) points.emplace_back(0.5 * (mesh.position(a) + mesh.position(b)));
+    return found->second;
+  };
+  for (const auto& [a, b, c] : mesh.triangles()) {
+    const VertexId ab = middle(a, b);
+    const VertexId bc = middle(b, c);
+    const VertexId ca = middle(c, a);
+    for (const Corners& part :
+         {Corners{a, ab, ca}, Corners{ab, b, bc}, Corners{ca, bc, c}, Corners{ab, bc, ca}}) {
+      triangles.push_back(part);
+    }
+  }
+  return {points, triangles};
+}
+
 /// A closed organ-like blob: an octahedron split `levels` times, pushed to a bumpy ellipsoid of
 /// some decimetres.
 inline TriangleMesh blob(std::size_t levels) {
-  Points points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  std::vector<Corners> triangles = {corners(0, 2, 4), corners(2, 1, 4), corners(1, 3, 4),
-                                    corners(3, 0, 4), corners(2, 0, 5), corners(1, 2, 5),
-                                    corners(3, 1, 5), corners(0, 3, 5)};
+  TriangleMesh sphere({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                      {corners(0, 2, 4), corners(2, 1, 4), corners(1, 3, 4), corners(3, 0, 4),
+                       corners(2, 0, 5), corners(1, 2, 5), corners(3, 1, 5), corners(0, 3, 5)});
+  Points points = sphere.positions();
   for (std::size_t level = 0; level < levels; ++level) {
-    std::map<std::pair<VertexId, VertexId>, VertexId> middles;
-    const auto middle = [&](VertexId a, VertexId b) {
-      const auto [found, is_new] =
-          middles.try_emplace(std::minmax(a, b), static_cast<VertexId>(points.size()));
-      if (is_new) points.push_back((points[core::index(a)] + points[core::index(b)]).normalized());
-      return found->second;
-    };
-    std::vector<Corners> finer;
-    for (const auto& [a, b, c] : triangles) {
-      const VertexId ab = middle(a, b);
-      const VertexId bc = middle(b, c);
-      const VertexId ca = middle(c, a);
-      for (const Corners& part :
-           {Corners{a, ab, ca}, Corners{ab, b, bc}, Corners{ca, bc, c}, Corners{ab, bc, ca}}) {
-        finer.push_back(part);
-      }
-    }
-    triangles = finer;
+    sphere = subdivided(sphere);
+    points = sphere.positions();
+    for (Eigen::Vector3d& point : points) point.normalize();
+    sphere.setPositions(points);
   }
   for (Eigen::Vector3d& point : points) {
     const double radius =
         0.1 * (1.0 + 0.25 * std::sin(3.0 * point.x() + 1.0) * std::cos(4.0 * point.y()));
     point = radius * point.cwiseProduct(Eigen::Vector3d(1.2, 0.8, 0.5));
   }
-  return {points, triangles};
+  return {points, sphere.triangles()};
 }
 
 /// Unconnected random triangles, among them needles, zero-area ones and duplicates.

@@ -309,13 +309,19 @@ void CollisionNode::publishMarkers() {
 }
 
 void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<ContactCycle::Complaint> complaints;
+  double computation_time = 0.0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);  // run() wants it too
+    complaints = complaints_;
+    computation_time = last_contacts_.computation_time;
+  }
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
-  for (const ContactCycle::Complaint& complaint : complaints_) {
+  for (const ContactCycle::Complaint& complaint : complaints) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
                         complaint.instrument + ": " + complaint.reason);
   }
-  status.add("computation time of the last cycle [us]", 1e6 * last_contacts_.computation_time);
+  status.add("computation time of the last cycle [us]", 1e6 * computation_time);
   for (const auto& organ : organs_) {
     const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
     for (const std::string& sentence : core::warnings(snapshot->organ.health())) {

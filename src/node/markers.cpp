@@ -59,10 +59,11 @@ std::array<geometry_msgs::Point, 3> liftedCorners(const core::CollisionMesh& mes
 void addTriangle(visualization_msgs::MarkerArray& array, std::size_t id, const Organ& organ,
                  core::TriangleId triangle, const std_msgs::ColorRGBA& colour) {
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  if (core::index(triangle) >= snapshot->organ.mesh().triangleCount())
-    return;  // of a former topology
-  const Eigen::Vector3d normal = core::pseudonormal(
-      snapshot->organ, static_cast<core::TriangleId>(triangle), core::Feature::kFace);
+  const bool is_of_former_topology =
+      core::index(triangle) >= snapshot->organ.mesh().triangleCount();
+  if (is_of_former_topology) return;
+  const Eigen::Vector3d normal =
+      core::pseudonormal(snapshot->organ, triangle, core::Feature::kFace);
   Marker filled = marker(organ.frame(), "nearest_triangle", id, Marker::TRIANGLE_LIST, colour);
   filled.scale.x = filled.scale.y = filled.scale.z = 1.0;
   for (const auto& corner : liftedCorners(snapshot->organ, triangle, kLift * normal))

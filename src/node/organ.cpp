@@ -71,11 +71,13 @@ Organ::Counters Organ::counters() const {
   return counters_;
 }
 
-void Organ::publish(OrganSnapshot next) {
+std::shared_ptr<const OrganSnapshot> Organ::publish(OrganSnapshot next) {
   openAccount(next.last_action);
-  auto pointer = std::make_shared<const OrganSnapshot>(std::move(next));
+  auto published = std::make_shared<const OrganSnapshot>(std::move(next));
+  std::shared_ptr<const OrganSnapshot> former = published;
   const std::lock_guard<std::mutex> lock(snapshot_mutex_);
-  snapshot_.swap(pointer);  // the former one, if nobody reads it, is freed after the lock
+  snapshot_.swap(former);  // if nobody reads it, it is freed after the lock
+  return published;
 }
 
 void Organ::requireVersion(std::uint32_t expected_version) const {
@@ -108,8 +110,10 @@ std::shared_ptr<const OrganSnapshot> Organ::update(const VertexMoves& moves, Upd
         moved ? std::to_string(moves.positions.size()) + " vertices moved" : "no vertex moved";
   }
   next.last_duration = watch.elapsed();
-  if (next.last_action != Action::kNone) publish(next);
-  return std::make_shared<const OrganSnapshot>(std::move(next));
+  if (next.last_action == Action::kNone) {
+    return std::make_shared<const OrganSnapshot>(std::move(next));
+  }
+  return publish(std::move(next));
 }
 
 std::shared_ptr<const OrganSnapshot> Organ::replace(core::TriangleMesh mesh,
@@ -129,8 +133,7 @@ std::shared_ptr<const OrganSnapshot> Organ::replace(core::TriangleMesh mesh,
     if (enqueued_) ++counters_.updates_lost;  // it was meant for the former topology
     enqueued_ = false;
   }
-  publish(std::move(next));
-  return snapshot();
+  return publish(std::move(next));
 }
 
 core::Points Organ::accept(const VertexMoves& moves) {

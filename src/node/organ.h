@@ -86,7 +86,7 @@ class Organ {
   bool applyEnqueuedWhileBuilding();
   core::Points accept(const VertexMoves& moves);
   void requireVersion(std::uint32_t expected_version) const;
-  void publish(OrganSnapshot next);
+  std::shared_ptr<const OrganSnapshot> publish(OrganSnapshot next);
   void openAccount(Action action);
 
   const std::string name_;
