@@ -2,19 +2,27 @@
 #include <benchmark/benchmark.h>
 
 #include "liver.h"
-#include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/wide_tree.h"
 
 namespace organ_collision {
 namespace {
 
+core::UnitFrame frameOf(const core::TriangleMesh& mesh) {
+  core::Box box;
+  for (const Eigen::Vector3d& position : mesh.positions()) box.add(position);
+  return core::unitFrame(box);
+}
+
 void buildHierarchy(benchmark::State& state) {
   const core::TriangleMesh mesh = bench::roundOrgan(static_cast<std::size_t>(state.range(0)));
+  const core::UnitFrame frame = frameOf(mesh);
   std::size_t depth = 0;
   std::size_t memory = 0;
   for (auto _ : state) {
-    const core::FarthestPairTree tree(mesh);
+    const core::FarthestPairTree tree(mesh, frame);
+    const core::WideTree wide_tree(tree, mesh, frame);
     depth = tree.depth();
-    memory = tree.memory();
+    memory = tree.memory() + wide_tree.memory();
   }
   state.counters["triangles"] = static_cast<double>(mesh.triangleCount());
   state.counters["depth"] = static_cast<double>(depth);
@@ -24,8 +32,13 @@ void buildHierarchy(benchmark::State& state) {
 
 void refitHierarchy(benchmark::State& state) {
   const core::TriangleMesh mesh = bench::roundOrgan(static_cast<std::size_t>(state.range(0)));
-  core::FarthestPairTree tree(mesh);
-  for (auto _ : state) tree.refit(mesh);
+  const core::UnitFrame frame = frameOf(mesh);
+  core::FarthestPairTree tree(mesh, frame);
+  core::WideTree wide_tree(tree, mesh, frame);
+  for (auto _ : state) {
+    tree.refit(mesh, frame);
+    wide_tree.refit(tree, mesh, frame);
+  }
   state.counters["triangles"] = static_cast<double>(mesh.triangleCount());
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "organ_collision/core/closest_point.h"
+#include "organ_collision/core/farthest_pair_tree.h"
 #include "organ_collision/core/triangle_distance.h"
 #include "organ_collision/core/triangle_mesh.h"
 
@@ -27,6 +28,21 @@ inline double squaredDistanceByBruteForce(const core::TriangleMesh& mesh,
     least = std::min(least, core::closestPoints(tip, triangle).on_second.squared_distance);
   }
   return least;
+}
+
+/// Where the greedy search ends that measures the poles themselves.
+inline core::FarthestPairTree::Leaf greedyLeaf(const core::FarthestPairTree& tree,
+                                               const core::TriangleMesh& mesh,
+                                               const Eigen::Vector3d& tip) {
+  core::FarthestPairTree::Set set = tree.root();
+  while (!set.isLeaf()) {
+    const auto squared_distance = [&](std::size_t pole) {
+      const core::TriangleId triangle = tree.triangle(tree.poles(set)[pole]);
+      return core::squaredLength(tip - core::centroid(mesh.triangle(triangle)));
+    };
+    set = tree.children(set)[squared_distance(0) < squared_distance(1) ? 0 : 1];
+  }
+  return set.begin;
 }
 
 }  // namespace organ_collision::test

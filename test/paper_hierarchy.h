@@ -48,11 +48,15 @@ class PaperHierarchy {
 
   Vector centroid(core::TriangleId id) const { return core::centroid(mesh_.triangle(id)); }
 
-  std::vector<std::tuple<double, double, double>> sortedCorners(core::TriangleId id) const {
+  std::vector<std::tuple<double, double, double>> corners(core::TriangleId id) const {
     const core::Triangle t = mesh_.triangle(id);
-    std::vector<std::tuple<double, double, double>> corners = {tuple(t.a), tuple(t.b), tuple(t.c)};
-    std::sort(corners.begin(), corners.end());
-    return corners;
+    return {tuple(t.a), tuple(t.b), tuple(t.c)};
+  }
+
+  std::vector<std::tuple<double, double, double>> sortedCorners(core::TriangleId id) const {
+    std::vector<std::tuple<double, double, double>> sorted = corners(id);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
   }
 
   std::unique_ptr<Set> split(const std::vector<core::TriangleId>& members) const {
@@ -81,7 +85,8 @@ class PaperHierarchy {
       set->first_pole = set->second_pole = centroid(members.front());
       std::vector<core::TriangleId> ordered = members;
       std::sort(ordered.begin(), ordered.end(), [this](core::TriangleId i, core::TriangleId j) {
-        return std::make_pair(sortedCorners(i), i) < std::make_pair(sortedCorners(j), j);
+        return std::make_tuple(sortedCorners(i), corners(i), i) <
+               std::make_tuple(sortedCorners(j), corners(j), j);
       });
       const auto half = ordered.begin() + static_cast<std::ptrdiff_t>(ordered.size() / 2);
       first.assign(ordered.begin(), half);

@@ -11,7 +11,7 @@ namespace organ_collision::bench {
 
 /// Triangles that stay together, and the parts that they are split into.
 struct Set {
-  core::FarthestPairTree::Child source;
+  core::FarthestPairTree::Set source;
   Eigen::Vector3d pole, other_pole;              ///< [m] its own, and that it was split from
   std::size_t first_child = 0, child_count = 0;  ///< no children: a single triangle
   std::size_t first = 0, count = 1;              ///< triangles, in the order of the leaves
@@ -53,11 +53,13 @@ class Hierarchy {
   using Leaf = core::FarthestPairTree::Leaf;
 
   /// Splits the part with the largest box again and again, until there are `width`.
-  static std::vector<Set> split(const core::FarthestPairTree& tree, const Set& whole,
-                                std::size_t width) {
+  std::vector<Set> split(const core::FarthestPairTree& tree, const Set& whole,
+                         std::size_t width) const {
     const auto size = [&](const Set& part) {
       if (part.source.isLeaf()) return -1.0;
-      const core::Box& box = tree.box(part.source.node());
+      core::Box box;
+      for (Leaf leaf = part.source.begin; leaf < part.source.end; ++leaf)
+        box.add(core::boxOf(triangles_[leaf]));
       return (box.high - box.low).squaredNorm();
     };
     std::vector<Set> parts = {whole};
@@ -65,16 +67,18 @@ class Hierarchy {
       const auto largest = std::max_element(parts.begin(), parts.end(),
                                             [&](auto& a, auto& b) { return size(a) < size(b); });
       if (largest->source.isLeaf()) break;
-      const auto& node = tree.node(largest->source.node());
-      *largest = {node.children[0], node.poles[0], node.poles[1]};
-      parts.push_back({node.children[1], node.poles[1], node.poles[0]});
+      const auto [first, second] = tree.children(largest->source);
+      const auto [first_pole, second_pole] = tree.poles(largest->source);
+      const auto pole = [&](Leaf leaf) { return core::centroid(triangles_[leaf]); };
+      *largest = {first, pole(first_pole), pole(second_pole)};
+      parts.push_back({second, pole(second_pole), pole(first_pole)});
     }
     return parts;
   }
 
   void countTriangles(Set& set) const {
     if (set.child_count == 0) {
-      set.first = set.source.leaf();
+      set.first = set.source.begin;
       return;
     }
     const auto children = sets_.begin() + static_cast<std::ptrdiff_t>(set.first_child);

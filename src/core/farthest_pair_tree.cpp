@@ -1,8 +1,14 @@
 #include "organ_collision/core/farthest_pair_tree.h"
 
+#include <tbb/parallel_sort.h>
+#include <tbb/task_group.h>
+
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <tuple>
 
+#include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
 
 namespace organ_collision::core {
@@ -12,10 +18,24 @@ bool lexicographicallyLess(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   return std::make_tuple(p.x(), p.y(), p.z()) < std::make_tuple(q.x(), q.y(), q.z());
 }
 
+std::array<Eigen::Vector3d, 3> cornersOf(const Triangle& triangle) {
+  return {triangle.a, triangle.b, triangle.c};
+}
+
 std::array<Eigen::Vector3d, 3> sortedCorners(const Triangle& triangle) {
-  std::array<Eigen::Vector3d, 3> corners = {triangle.a, triangle.b, triangle.c};
-  std::sort(corners.begin(), corners.end(), lexicographicallyLess);
+  std::array<Eigen::Vector3d, 3> corners = cornersOf(triangle);
+  std::sort(corners.begin(), corners.end(), [](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+    return lexicographicallyLess(p, q);
+  });
   return corners;
+}
+
+bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
+                           const std::array<Eigen::Vector3d, 3>& q) {
+  return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end(),
+                                      [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                        return lexicographicallyLess(a, b);
+                                      });
 }
 
 struct Member {
@@ -31,123 +51,219 @@ std::vector<Member> orderedMembers(const TriangleMesh& mesh) {
     const auto id = static_cast<TriangleId>(i);
     members[i] = {centroid(mesh.triangle(id)), id};
   }
-  std::sort(members.begin(), members.end(), [&mesh](const Member& first, const Member& second) {
-    if (first.centroid != second.centroid)
-      return lexicographicallyLess(first.centroid, second.centroid);
-    const auto corners = sortedCorners(mesh.triangle(first.triangle));
-    const auto others = sortedCorners(mesh.triangle(second.triangle));
-    if (corners != others) {
-      return std::lexicographical_compare(corners.begin(), corners.end(), others.begin(),
-                                          others.end(), lexicographicallyLess);
-    }
-    return first.triangle < second.triangle;  // duplicates
-  });
+  tbb::parallel_sort(members.begin(), members.end(),
+                     [&](const Member& first, const Member& second) {
+                       if (first.centroid != second.centroid)
+                         return lexicographicallyLess(first.centroid, second.centroid);
+                       const Triangle one = mesh.triangle(first.triangle);
+                       const Triangle other = mesh.triangle(second.triangle);
+                       for (const auto& corners :
+                            {sortedCorners, cornersOf}) {  // the latter for turned duplicates
+                         if (corners(one) != corners(other))
+                           return lexicographicallyLess(corners(one), corners(other));
+                       }
+                       return first.triangle < second.triangle;
+                     });
   return members;
 }
 
-/// Centroids and their triangles, in step, split again and again without disturbing the order of
-/// those that stay together.
-class Partition {
+/// Twice what rounding makes of the side of a plane, in single precision, at points of the unit
+/// frame within reach 1; it grows with the reach.
+constexpr float kPlaneRounding = 0x1p-20F;
+/// The same for the distances to the poles themselves, in double precision.
+constexpr double kPoleRounding = 0x1p-46;
+
+double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+/// Splits sets without disturbing the order of those that stay together; sets that are large are
+/// split side by side.
+class FarthestPairTree::Builder {
  public:
-  explicit Partition(const std::vector<Member>& members)
-      : spare_centroids_(members.size()), spare_(members.size()) {
-    for (const Member& member : members) {
+  Builder(const TriangleMesh& mesh, std::vector<Node>& nodes) : nodes_(nodes) {
+    for (const Member& member : orderedMembers(mesh)) {
       centroids_.push_back(member.centroid);
       triangles_.push_back(member.triangle);
     }
+    spare_centroids_.resize(centroids_.size());
+    spare_triangles_.resize(triangles_.size());
   }
 
-  const Eigen::Vector3d* centroids(std::size_t begin) const { return &centroids_[begin]; }
-  TriangleId triangle(std::size_t i) const { return triangles_[i]; }
-  const std::vector<TriangleId>& triangles() const { return triangles_; }
+  void run() {
+    if (nodes_.empty()) return;
+    splitAll({{0, static_cast<Leaf>(triangles_.size()), 0}, 1});
+    tasks_.wait();
+    std::vector<Leaf> leaf_of(triangles_.size());
+    for (Leaf leaf = 0; leaf < triangles_.size(); ++leaf) leaf_of[index(triangles_[leaf])] = leaf;
+    for (Node& node : nodes_) {
+      for (Leaf& pole : node.poles) pole = leaf_of[pole];
+    }
+  }
 
-  /// Puts those of [begin, end) that are nearer to the first pole in front; returns where the
-  /// others begin.
-  std::size_t split(std::size_t begin, std::size_t end,
-                    const std::array<Eigen::Vector3d, 2>& poles) {
-    std::size_t kept = begin;
-    std::size_t moved = 0;
-    for (std::size_t i = begin; i < end; ++i) {
+  std::vector<TriangleId>& triangles() { return triangles_; }
+  std::size_t depth() const { return depth_; }
+
+ private:
+  struct Pending {
+    Set set;
+    std::size_t depth;
+  };
+  static constexpr std::uint32_t kTask = 4096;  // leaves that are worth a task
+
+  /// Not by recursion: exponentially spaced triangles go some hundreds deep.
+  void splitAll(const Pending& whole) {
+    std::vector<Pending> pending = {whole};
+    while (!pending.empty()) {
+      const auto [set, depth] = pending.back();
+      pending.pop_back();
+      noteDepth(depth);
+      const std::uint32_t first_size = split(set);
+      const Set first = {set.begin, set.begin + first_size, set.node + 1};
+      const Set second = {set.begin + first_size, set.end, set.node + first_size};
+      for (const Set& child : {second, first}) {
+        if (child.isLeaf()) continue;
+        const Pending next = {child, depth + 1};
+        if (child.size() >= kTask) {
+          tasks_.run([this, next] { splitAll(next); });
+        } else {
+          pending.push_back(next);
+        }
+      }
+    }
+  }
+
+  /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.
+  std::uint32_t split(const Set& set) {
+    const FarthestPair pair = farthestPair(&centroids_[set.begin], set.size());
+    const bool coincident = pair.squared_distance == 0.0;
+    const std::size_t first = set.begin + pair.first;
+    const std::size_t second = set.begin + (coincident ? set.size() / 2 : pair.second);
+    Node& node = nodes_[set.node];
+    node.poles = {static_cast<Leaf>(index(triangles_[first])),
+                  static_cast<Leaf>(index(triangles_[second]))};
+    const std::array<Eigen::Vector3d, 2> at = {centroids_[first], centroids_[second]};
+    node.first_size = coincident ? set.size() / 2 : separate(set, at[0], at[1]);
+    return node.first_size;
+  }
+
+  /// Puts those that are nearer to the first pole in front; returns how many they are.
+  std::uint32_t separate(const Set& set, const Eigen::Vector3d& first_pole,
+                         const Eigen::Vector3d& second_pole) {
+    Leaf kept = set.begin;
+    Leaf moved = set.begin;
+    for (Leaf i = set.begin; i < set.end; ++i) {
       const Eigen::Vector3d at = centroids_[i];
-      if (squaredLength(at - poles[0]) < squaredLength(at - poles[1])) {
+      if (squaredLength(at - first_pole) < squaredLength(at - second_pole)) {
         centroids_[kept] = at;
         triangles_[kept++] = triangles_[i];
       } else {
         spare_centroids_[moved] = at;
-        spare_[moved++] = triangles_[i];
+        spare_triangles_[moved++] = triangles_[i];
       }
     }
-    std::copy_n(spare_centroids_.begin(), moved,
-                centroids_.begin() + static_cast<std::ptrdiff_t>(kept));
-    std::copy_n(spare_.begin(), moved, triangles_.begin() + static_cast<std::ptrdiff_t>(kept));
-    return kept;
+    std::copy(&spare_centroids_[set.begin], &spare_centroids_[moved], &centroids_[kept]);
+    std::copy(&spare_triangles_[set.begin], &spare_triangles_[moved], &triangles_[kept]);
+    return kept - set.begin;
   }
 
- private:
+  void noteDepth(std::size_t depth) {
+    std::size_t known = depth_;
+    while (known < depth && !depth_.compare_exchange_weak(known, depth)) {
+    }
+  }
+
+  std::vector<Node>& nodes_;
   Points centroids_, spare_centroids_;
-  std::vector<TriangleId> triangles_, spare_;
+  std::vector<TriangleId> triangles_, spare_triangles_;
+  std::atomic<std::size_t> depth_ = 0;
+  tbb::task_group tasks_;
 };
 
-/// A set that waits to be split, and the place that its node's number goes to.
-struct Pending {
-  std::size_t begin, end, parent, side, depth;
-};
-
-}  // namespace
-
-FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) {
-  Partition partition(orderedMembers(mesh));
-  nodes_.reserve(mesh.triangleCount() - 1);
-  std::vector<Pending>
-      pending;  // not recursion: exponentially spaced triangles go some hundreds deep
-  if (mesh.triangleCount() > 1) pending.push_back({0, mesh.triangleCount(), 0, 0, 1});
-  while (!pending.empty()) {
-    const auto [begin, end, parent, side, depth] = pending.back();
-    pending.pop_back();
-    const std::size_t self = nodes_.size();
-    depth_ = std::max(depth_, depth);
-    if (self != 0) nodes_[parent].children[side] = Child::node(self);
-
-    const FarthestPair pair = farthestPair(partition.centroids(begin), end - begin);
-    const bool coincident = pair.squared_distance == 0.0;
-    const std::size_t first = begin + pair.first;
-    const std::size_t second = coincident ? begin + (end - begin) / 2 : begin + pair.second;
-    Node node = {{*partition.centroids(first), *partition.centroids(second)},
-                 {partition.triangle(first), partition.triangle(second)},
-                 {Child::leaf(0), Child::leaf(0)}};
-    const std::size_t middle = coincident ? second : partition.split(begin, end, node.poles);
-    const std::array<std::size_t, 3> bounds = {begin, middle, end};
-    for (const std::size_t child :
-         {std::size_t{1}, std::size_t{0}}) {  // the first child is popped first
-      if (bounds[child + 1] - bounds[child] == 1) {
-        node.children[child] = Child::leaf(static_cast<Leaf>(bounds[child]));
-      } else {
-        pending.push_back({bounds[child], bounds[child + 1], self, child, depth + 1});
-      }
-    }
-    nodes_.push_back(node);
-  }
-  leaves_ = partition.triangles();
-  boxes_.resize(nodes_.size());
-  refit(mesh);
+FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh, const UnitFrame& frame)
+    : nodes_(mesh.triangleCount() - 1) {
+  Builder builder(mesh, nodes_);
+  builder.run();
+  leaves_ = std::move(builder.triangles());
+  depth_ = builder.depth();
+  refit(mesh, frame);
 }
 
-void FarthestPairTree::refit(const TriangleMesh& mesh) {
-  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children before parents
-    Node& node = nodes_[i];
-    Box box;
-    for (const std::size_t side : {0, 1}) {
-      node.poles[side] = centroid(mesh.triangle(node.pole_triangles[side]));
-      const Child child = node.children[side];
-      box.add(child.isLeaf() ? boxOf(mesh.triangle(triangle(child.leaf()))) : boxes_[child.node()]);
-    }
-    boxes_[i] = box;
+void FarthestPairTree::refit(const TriangleMesh& mesh, const UnitFrame& frame) {
+  frame_ = frame;
+  for (Node& node : nodes_) placePlane(mesh, node);
+}
+
+void FarthestPairTree::refit(const TriangleMesh& mesh, const std::vector<Leaf>& moved) {
+  struct Part {
+    Set set;
+    const Leaf *begin, *end;  // the moved leaves of the set
+  };
+  const auto has_moved = [&](Leaf leaf) {
+    return std::binary_search(moved.begin(), moved.end(), leaf);
+  };
+  std::vector<Part> pending = {{root(), moved.data(), moved.data() + moved.size()}};
+  while (!pending.empty()) {
+    const auto [set, begin, end] = pending.back();
+    pending.pop_back();
+    if (begin == end || set.isLeaf()) continue;
+    Node& node = nodes_[set.node];
+    if (has_moved(node.poles[0]) || has_moved(node.poles[1])) placePlane(mesh, node);
+    const auto [first, second] = children(set);
+    const Leaf* middle = std::lower_bound(begin, end, first.end);
+    pending.push_back({first, begin, middle});
+    pending.push_back({second, middle, end});
   }
+}
+
+void FarthestPairTree::placePlane(const TriangleMesh& mesh, Node& node) const {
+  const auto pole = [&](std::size_t i) {
+    const Triangle triangle = mesh.triangle(leaves_[node.poles[i]]);
+    return Eigen::Vector3d((frame_(triangle.a) + frame_(triangle.b) + frame_(triangle.c)) / 3.0);
+  };
+  const Eigen::Vector3d first = pole(0);
+  const Eigen::Vector3d second = pole(1);
+  const Eigen::Vector3f normal = (second - first).cast<float>();
+  node.normal = {normal.x(), normal.y(), normal.z()};
+  node.offset = static_cast<float>(normal.cast<double>().dot(0.5 * (first + second)));
+}
+
+bool FarthestPairTree::isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
+                                           const Eigen::Vector3d& tip) const {
+  const auto squared_distance = [&](std::size_t i) {
+    return squaredLength(tip - centroid(mesh.triangle(leaves_[node.poles[i]])));
+  };
+  return squared_distance(0) < squared_distance(1);
+}
+
+FarthestPairTree::GreedyPath FarthestPairTree::greedySearch(const TriangleMesh& mesh,
+                                                            const Eigen::Vector3d& tip) const {
+  const Eigen::Vector3d unit_tip = frame_(tip);
+  const std::array<float, 3> q = {static_cast<float>(unit_tip.x()),
+                                  static_cast<float>(unit_tip.y()),
+                                  static_cast<float>(unit_tip.z())};
+  const double reach = 1.0 + largestCoordinate(unit_tip);
+  const double offset_of_mesh = largestCoordinate(frame_.center) * frame_.scale;
+  const auto relative = static_cast<float>(kPlaneRounding * reach);
+  const auto absolute = static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh));
+
+  Set set = root();
+  std::uint32_t nodes = 0;
+  for (; !set.isLeaf(); ++nodes) {
+    const Node& node = nodes_[set.node];
+    const auto& [x, y, z] = node.normal;
+    const float side = x * q[0] + y * q[1] + z * q[2] - node.offset;
+    const float rounding = relative * (std::abs(x) + std::abs(y) + std::abs(z)) + absolute;
+    // Not a number: not sure.
+    const bool first =
+        std::abs(side) > rounding ? side < 0.0F : isNearerToFirstPole(mesh, node, tip);
+    set = children(set)[first ? 0 : 1];
+  }
+  return {set.begin, nodes};
 }
 
 std::size_t FarthestPairTree::memory() const {
-  return nodes_.capacity() * sizeof(Node) + boxes_.capacity() * sizeof(Box) +
-         leaves_.capacity() * sizeof(TriangleId);
+  return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(TriangleId);
 }
 
 }  // namespace organ_collision::core

@@ -12,38 +12,68 @@ namespace {
 constexpr double kSmallestOrgan = 0.01;
 constexpr double kLargestOrgan = 1.0;
 
-/// Six times the enclosed volume of a closed mesh, in units of the box's largest side cubed, so
-/// that nothing overflows.
-double relativeVolume(const TriangleMesh& mesh, const Box& box) {
-  const double side = (box.high - box.low).maxCoeff();
-  if (side == 0.0) return 0.0;
-  double volume = 0.0;
-  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
-    const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
-    const Eigen::Vector3d a = (triangle.a - box.low) / side;
-    const Eigen::Vector3d b = (triangle.b - box.low) / side;
-    const Eigen::Vector3d c = (triangle.c - box.low) / side;
-    volume += a.dot(b.cross(c));
-  }
-  return volume;
-}
-
 }  // namespace
 
-MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology) {
-  MeshHealth health = {topology.closed() && topology.weldsHold(mesh),
+void HealthTally::add(const HealthTally& other) {
+  degenerate_triangles += other.degenerate_triangles;
+  parted_corners += other.parted_corners;
+  volume += other.volume;
+  rounding += other.rounding;
+}
+
+void HealthTally::remove(const HealthTally& other) {
+  degenerate_triangles -= other.degenerate_triangles;
+  parted_corners -= other.parted_corners;
+  volume -= other.volume;
+  rounding += other.rounding;
+}
+
+HealthTally tallyOf(TriangleId id, const TriangleMesh& mesh, const MeshTopology& topology,
+                    const UnitFrame& frame) {
+  HealthTally tally;
+  const Triangle triangle = mesh.triangle(id);
+  if (collinear(triangle.a, triangle.b, triangle.c)) tally.degenerate_triangles = 1;
+  for (const VertexId corner : mesh.corners(id))
+    if (!topology.isAtWeld(corner, mesh)) ++tally.parted_corners;
+  const Eigen::Vector3d a = frame(triangle.a);
+  const Eigen::Vector3d b = frame(triangle.b);
+  const Eigen::Vector3d c = frame(triangle.c);
+  tally.volume = a.dot(b.cross(c));
+  // Six products of three, each rounded three times; then the sum that this goes into, below 1e9
+  // terms like it.
+  tally.rounding = 0x1p-49 * a.norm() * b.norm() * c.norm();
+  return tally;
+}
+
+HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology,
+                    const UnitFrame& frame) {
+  HealthTally tally;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i)
+    tally.add(tallyOf(static_cast<TriangleId>(i), mesh, topology, frame));
+  return tally;
+}
+
+Box boxOf(const TriangleMesh& mesh) {
+  Box box;
+  for (const Corners& corners : mesh.triangles())
+    for (const VertexId corner : corners) box.add(mesh.position(corner));
+  return box;
+}
+
+MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally) {
+  MeshHealth health = {topology.closed() && tally.parted_corners == 0,
                        topology.consistentlyWound(),
                        false,
-                       0,
+                       tally.degenerate_triangles,
                        topology.duplicateTriangles(),
-                       Box()};
-  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
-    const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
-    health.box.add(boxOf(triangle));
-    if (collinear(triangle.a, triangle.b, triangle.c)) ++health.degenerate_triangles;
-  }
-  health.inverted = health.isSolid() && relativeVolume(mesh, health.box) < 0.0;
+                       box};
+  health.inverted = health.isSolid() && tally.volume < 0.0;
   return health;
+}
+
+MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology) {
+  const Box box = boxOf(mesh);
+  return healthOf(topology, box, tallyOf(mesh, topology, unitFrame(box)));
 }
 
 std::vector<std::string> warnings(const MeshHealth& health) {

@@ -89,13 +89,6 @@ void MeshTopology::countDuplicates(const TriangleMesh& mesh) {
       static_cast<std::size_t>(triples.end() - std::unique(triples.begin(), triples.end()));
 }
 
-bool MeshTopology::weldsHold(const TriangleMesh& mesh) const {
-  for (std::size_t i = 0; i < welds_.size(); ++i) {
-    if (mesh.positions()[i] != mesh.position(representatives_[welds_[i]])) return false;
-  }
-  return true;
-}
-
 std::size_t MeshTopology::memory() const {
   return welds_.capacity() * sizeof(Weld) + representatives_.capacity() * sizeof(VertexId) +
          offsets_.capacity() * sizeof(std::uint32_t) +

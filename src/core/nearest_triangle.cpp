@@ -1,27 +1,29 @@
 #include "organ_collision/core/nearest_triangle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/kernels.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
 
 namespace organ_collision::core {
 namespace {
 
-using Child = FarthestPairTree::Child;
 using Leaf = FarthestPairTree::Leaf;
 
-/// What the search asks of a tip: where to route it, how near a box can be, how near a triangle is.
+/// What the search asks of a tip: its corners, where to route it, how near a triangle is.
 class PointTip {
  public:
   explicit PointTip(const Eigen::Vector3d& point) : point_(point) {}
+  std::array<Eigen::Vector3d, 1> corners() const { return {point_}; }
   const Eigen::Vector3d& routingPoint() const { return point_; }
-  double bound(const Box& box) const { return squaredDistance(box, point_); }
+  double squaredDistanceTo(const Box& box) const { return squaredDistance(box, point_); }
   ClosestPair measure(const Triangle& triangle) const {
     return {point_, closestPointOnTriangle(point_, triangle)};
   }
@@ -32,148 +34,120 @@ class PointTip {
 
 class TriangleTip {
  public:
-  explicit TriangleTip(const Triangle& tip)
-      : tip_(tip), centroid_(centroid(tip)), box_(boxOf(tip)) {}
+  explicit TriangleTip(const Triangle& tip) : tip_(tip), centroid_(centroid(tip)) {}
+  std::array<Eigen::Vector3d, 3> corners() const { return {tip_.a, tip_.b, tip_.c}; }
   const Eigen::Vector3d& routingPoint() const { return centroid_; }
-  double bound(const Box& box) const { return squaredDistance(box, box_); }
+  double squaredDistanceTo(const Box& box) const { return squaredDistance(box, boxOf(tip_)); }
   ClosestPair measure(const Triangle& triangle) const { return closestPoints(tip_, triangle); }
 
  private:
   const Triangle& tip_;
   Eigen::Vector3d centroid_;
-  Box box_;
 };
 
-/// Best first: the greedy path to a first triangle, then always the set whose box is nearest, until
-/// no set left can hold a nearer triangle than the accuracy asks for.
+std::vector<Waiting>& scratch(std::size_t depth) {
+  thread_local std::vector<Waiting> stack;
+  // Opening a node takes one set from the stack and puts up to eight there.
+  const std::size_t room = 1 + (kLaneCount - 1) * depth;
+  if (stack.size() < room) stack.resize(room);
+  return stack;
+}
+
+/// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
+constexpr double kBeyond = 0x1p400;
+
 template <class Tip>
-class Search {
+class NearestSearch : private Search {
  public:
-  Search(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy)
-      : mesh_(organ.mesh()),
-        tree_(organ.tree()),
+  NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy)
+      : Search(),
+        organ_(organ),
         tip_(tip),
         accuracy_(accuracy),
-        queue_(scratch()) {
-    queue_.clear();
+        scale_(organ.wideTree().frame().scale) {
+    const WideTree& tree = organ.wideTree();
+    nodes = tree.nodes().data();
+    packets = tree.packets().data();
+    for (const Eigen::Vector3d& corner : tip.corners()) {
+      const Eigen::Vector3d unit = tree.frame()(corner);
+      corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
+      beyond_ = beyond_ || !(unit.cwiseAbs().maxCoeff() < kBeyond);
+    }
+    leaves_left =
+        accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
+    stack = scratch(tree.depth()).data();
+    Search::measure = [](Search& search, Leaf leaf) {
+      static_cast<NearestSearch&>(search).measure(leaf);
+    };
+    share = 1.0 / (1.0 + accuracy.max_relative_error);
+    allowance = accuracy.max_absolute_error * scale_;
+    best = unopened = std::numeric_limits<double>::infinity();
   }
 
   NearestTriangle run() {
-    descendGreedily();
-    while (!queue_.empty() && !isGoodEnough(queue_.front().bound) && !isBudgetSpent())
-      expandNearest();
+    if (accuracy_.max_leaves != 0) {
+      const auto [leaf, splits] = organ_.tree().greedySearch(organ_.mesh(), tip_.routingPoint());
+      measure(leaf);
+      bounds += splits;
+      --leaves_left;
+      ++triangles;
+    }
+    if (beyond_) {
+      measureAll();
+    } else {
+      kernels().walk(*this);
+    }
     return answer();
   }
 
  private:
-  static constexpr double kAnything = -1.0;  // below every bound
-
-  struct Entry {
-    double bound;  // [m^2]
-    Child set;
-    bool operator<(const Entry& other) const {
-      return bound > other.bound;
-    }  // the nearest on top of the heap
-  };
-
-  static std::vector<Entry>& scratch() {
-    thread_local std::vector<Entry> queue;
-    return queue;
-  }
-
-  double bound(Child set) {
-    ++work_.bounds;
-    return tip_.bound(set.isLeaf() ? boxOf(mesh_.triangle(tree_.triangle(set.leaf())))
-                                   : tree_.box(set.node()));
-  }
-
-  void push(Child set) {
-    const double nearest_possible = bound(set);
-    if (nearest_possible > best_.on_second.squared_distance) return;
-    queue_.push_back({nearest_possible, set});
-    std::push_heap(queue_.begin(), queue_.end());
-  }
-
   void measure(Leaf leaf) {
-    ++work_.triangles;
-    const ClosestPair candidate = tip_.measure(mesh_.triangle(tree_.triangle(leaf)));
-    const double distance = candidate.on_second.squared_distance;
-    const double best = best_.on_second.squared_distance;
-    if (distance > best || (distance == best && leaf > best_leaf_)) return;
-    best_ = candidate;
-    best_leaf_ = leaf;
-    good_enough_ = goodEnough();
-  }
-
-  void descendGreedily() {
-    Child set = tree_.root();
-    while (!set.isLeaf()) {
-      const FarthestPairTree::Node& node = tree_.node(set.node());
-      const std::size_t side = FarthestPairTree::nearerChild(node, tip_.routingPoint());
-      push(node.children[1 - side]);
-      set = node.children[side];
-    }
-    measure(set.leaf());
-  }
-
-  void expandNearest() {
-    std::pop_heap(queue_.begin(), queue_.end());
-    const Child set = queue_.back().set;
-    queue_.pop_back();
-    if (set.isLeaf()) {
-      measure(set.leaf());
+    const ClosestPair candidate =
+        tip_.measure(organ_.mesh().triangle(organ_.tree().triangle(leaf)));
+    const double squared_distance = candidate.on_second.squared_distance;
+    if (squared_distance > squared_best_ ||
+        (squared_distance == squared_best_ && leaf > best_leaf_))
       return;
+    pair_ = candidate;
+    best_leaf_ = leaf;
+    squared_best_ = squared_distance;
+    best = std::min(best, std::sqrt(squared_distance) * scale_);
+  }
+
+  void measureAll() {
+    for (Leaf leaf = 0; leaf < organ_.tree().root().size(); ++leaf) {
+      if (leaves_left == 0) {
+        unopened = 0.0;
+        return;
+      }
+      measure(leaf);
+      --leaves_left;
+      ++triangles;
     }
-    for (const Child child : tree_.node(set.node()).children) push(child);
   }
-
-  bool isBudgetSpent() const {
-    return accuracy_.max_leaves != 0 && work_.triangles >= accuracy_.max_leaves;
-  }
-
-  /// A set whose bound [m^2] is larger cannot hold a triangle that matters. Zero errors: the best
-  /// distance itself, so that what ties with it is still looked at.
-  double goodEnough() const {
-    if (accuracy_.max_relative_error == 0.0 && accuracy_.max_absolute_error == 0.0) {
-      return best_.on_second.squared_distance;
-    }
-    const double distance = std::sqrt(best_.on_second.squared_distance);
-    const double nearest_that_matters = std::min(distance / (1.0 + accuracy_.max_relative_error),
-                                                 distance - accuracy_.max_absolute_error);
-    return nearest_that_matters < 0.0 ? kAnything : nearest_that_matters * nearest_that_matters;
-  }
-
-  bool isGoodEnough(double bound) const { return bound > good_enough_; }
 
   NearestTriangle answer() const {
-    const double distance = std::sqrt(best_.on_second.squared_distance);
-    const double unopened = queue_.empty() ? distance : std::sqrt(queue_.front().bound);
-    return {tree_.triangle(best_leaf_),
-            best_.on_second,
-            best_.point_on_first,
+    const double distance = std::sqrt(squared_best_);
+    const double to_box = std::sqrt(tip_.squaredDistanceTo(organ_.health().box));
+    return {organ_.tree().triangle(best_leaf_),
+            pair_.on_second,
+            pair_.point_on_first,
             Eigen::Vector3d::Zero(),
             distance,
-            std::min(distance, unopened),
+            std::min(distance, std::max(to_box, unopened / scale_)),
             distance,
             false,
-            work_};
+            {bounds, triangles}};
   }
 
-  const TriangleMesh& mesh_;
-  const FarthestPairTree& tree_;
+  const CollisionMesh& organ_;
   const Tip& tip_;
   const Accuracy& accuracy_;
-  std::vector<Entry>& queue_;  // a heap
-  ClosestPair best_ = farAway();
-  Leaf best_leaf_ = std::numeric_limits<Leaf>::max();
-  double good_enough_ = kAnything;
-  SearchWork work_;
-
-  static ClosestPair farAway() {
-    ClosestPair pair;
-    pair.on_second.squared_distance = std::numeric_limits<double>::infinity();
-    return pair;
-  }
+  const double scale_;
+  bool beyond_ = false;
+  ClosestPair pair_ = {};
+  Leaf best_leaf_ = 0;
+  double squared_best_ = std::numeric_limits<double>::infinity();
 };
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
@@ -208,14 +182,14 @@ NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3
                                 const Accuracy& accuracy) {
   requireUsable(tip, "tip", 0);
   requireUsable(accuracy);
-  return withSign(organ, Search<PointTip>(organ, PointTip(tip), accuracy).run());
+  return withSign(organ, NearestSearch<PointTip>(organ, PointTip(tip), accuracy).run());
 }
 
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
                                 const Accuracy& accuracy) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
   requireUsable(accuracy);
-  return withSign(organ, Search<TriangleTip>(organ, TriangleTip(tip), accuracy).run());
+  return withSign(organ, NearestSearch<TriangleTip>(organ, TriangleTip(tip), accuracy).run());
 }
 
 }  // namespace organ_collision::core

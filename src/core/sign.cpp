@@ -123,31 +123,36 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 }
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
-  const FarthestPairTree& tree = organ.tree();
-  const auto meets_ray = [&point](const Box& box) {
-    return point.x() <= box.high.x() && box.low.y() <= point.y() && point.y() <= box.high.y() &&
-           box.low.z() <= point.z() && point.z() <= box.high.z();
+  const WideTree& tree = organ.wideTree();
+  const auto meets_ray = [](const Box& box, const Eigen::Vector3d& start) {
+    return start.x() <= box.high.x() && box.low.y() <= start.y() && start.y() <= box.high.y() &&
+           box.low.z() <= start.z() && start.z() <= box.high.z();
   };
   int winding = 0;
   const auto count = [&](TriangleId id) {
     const Triangle triangle = organ.mesh().triangle(id);
-    if (!meets_ray(boxOf(triangle))) return;
+    if (!meets_ray(boxOf(triangle), point)) return;
     const int turns = crossing(triangle, point);
     // Seen from the normal's side the triangle is ahead of the point only if the point is behind
     // it, and vice versa.
     if (turns != 0 && turns * orientation(triangle.a, triangle.b, triangle.c, point) < 0)
       winding += turns;
   };
-  thread_local std::vector<FarthestPairTree::Child> stack;
-  stack.assign(1, tree.root());
+  const Eigen::Vector3d unit_point = tree.frame()(point);
+  thread_local std::vector<std::uint32_t> stack;  // nodes
+  stack.assign(1, 0);
   while (!stack.empty()) {
-    const FarthestPairTree::Child child = stack.back();
+    const WideTree::Node& node = tree.nodes()[stack.back()];
     stack.pop_back();
-    if (child.isLeaf()) {
-      count(tree.triangle(child.leaf()));
-    } else if (meets_ray(tree.box(child.node()))) {
-      const auto& children = tree.node(child.node()).children;
-      stack.insert(stack.end(), children.begin(), children.end());
+    for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
+      if (!meets_ray(tree.boxOf(node, lane), unit_point)) continue;
+      if (lane < node.node_count) {
+        stack.push_back(node.first_node + lane);
+        continue;
+      }
+      const WideTree::Packet& packet = tree.packets()[node.first_packet + lane - node.node_count];
+      for (std::uint32_t i = 0; i < packet.lane_count; ++i)
+        count(organ.tree().triangle(packet.first_leaf + i));
     }
   }
   return winding;

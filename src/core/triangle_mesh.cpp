@@ -61,6 +61,26 @@ void TriangleMesh::setPositions(Points positions) {
   positions_ = std::move(positions);
 }
 
+void TriangleMesh::requireFitting(const std::vector<VertexId>& moved,
+                                  const Points& positions) const {
+  if (positions.size() != moved.size()) {
+    throw std::invalid_argument(std::to_string(positions.size()) + " positions given for " +
+                                std::to_string(moved.size()) + " vertices");
+  }
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    if (index(moved[i]) >= positions_.size()) {
+      throw std::invalid_argument("there is no vertex " + std::to_string(index(moved[i])) +
+                                  ": the mesh has " + std::to_string(positions_.size()));
+    }
+    requireUsable(positions[i], "vertex", index(moved[i]));
+  }
+}
+
+void TriangleMesh::setPositions(const std::vector<VertexId>& moved, const Points& positions) {
+  requireFitting(moved, positions);
+  for (std::size_t i = 0; i < moved.size(); ++i) positions_[index(moved[i])] = positions[i];
+}
+
 Eigen::Vector3d centroid(const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   return Eigen::Vector3d(sumInAnyOrder(a.x(), b.x(), c.x()), sumInAnyOrder(a.y(), b.y(), c.y()),

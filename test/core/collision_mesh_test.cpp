@@ -47,14 +47,50 @@ TEST(CollisionMesh, RefitAndRebuildFollowTheDeformation) {
   }
 }
 
+TEST(CollisionMesh, APartialRefitAnswersLikeANewMesh) {
+  std::mt19937 generator(32);
+  const double sizes[] = {0.001, 0.02, 0.3};  // [m] the last is beyond the box
+  for (const TriangleMesh& mesh : {test::blob(4), test::grid(20, 20), test::soup(300, 3)}) {
+    CollisionMesh organ(mesh);
+    for (int round = 0; round < 60; ++round) {
+      Points all = organ.mesh().positions();
+      std::vector<VertexId> moved;
+      Points positions;
+      const Eigen::Vector3d push = test::randomPoint(generator, sizes[round % 3]);
+      const std::size_t first = generator() % all.size();
+      for (std::size_t i = first; i < std::min(first + 1 + generator() % 30, all.size()); ++i) {
+        all[i] += push;
+        moved.push_back(static_cast<VertexId>(i));
+        positions.push_back(all[i]);
+      }
+      organ.refit(moved, positions);
+      const MeshHealth expected = inspect(organ.mesh(), organ.topology());
+      EXPECT_EQ(organ.health().box.low, expected.box.low);
+      EXPECT_EQ(organ.health().box.high, expected.box.high);
+      EXPECT_EQ(organ.health().degenerate_triangles, expected.degenerate_triangles);
+      EXPECT_EQ(organ.health().closed, expected.closed);
+      EXPECT_EQ(organ.health().inverted, expected.inverted);
+      for (int i = 0; i < 60; ++i) {
+        const Eigen::Vector3d tip =
+            i % 2 == 0 ? all[generator() % all.size()]
+                       : Eigen::Vector3d(positions[0] + test::randomPoint(generator, 0.1));
+        ASSERT_EQ(std::abs(nearestTriangle(organ, tip).distance),
+                  std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
+        ASSERT_EQ(nearestTriangle(organ, tip, Accuracy::greedy()).triangle,
+                  organ.tree().triangle(test::greedyLeaf(organ.tree(), organ.mesh(), tip)));
+      }
+    }
+  }
+}
+
 TEST(CollisionMesh, RebuildEqualsANewOne) {
   const Points deformed = twisted(test::blob(4).positions(), 20.0);
   CollisionMesh organ(test::blob(4));
   organ.refit(deformed);
   organ.rebuild();
   const CollisionMesh fresh(TriangleMesh(deformed, test::blob(4).triangles()));
-  for (std::size_t i = 0; i < fresh.tree().nodeCount(); ++i)
-    EXPECT_EQ(organ.tree().node(i).poles, fresh.tree().node(i).poles);
+  for (FarthestPairTree::Leaf leaf = 0; leaf < fresh.tree().root().size(); ++leaf)
+    EXPECT_EQ(organ.tree().triangle(leaf), fresh.tree().triangle(leaf));
 }
 
 TEST(CollisionMesh, ACopyKeepsAnsweringForItsOwnPositions) {
@@ -70,7 +106,11 @@ TEST(CollisionMesh, ACopyKeepsAnsweringForItsOwnPositions) {
 
 TEST(CollisionMesh, StaysAsItWasWhenPositionsDoNotFit) {
   CollisionMesh organ(test::cube());
-  EXPECT_THROW(organ.refit({{0, 0, 0}}), std::invalid_argument);
+  EXPECT_THROW(organ.refit(Points{{0, 0, 0}}), std::invalid_argument);
+  const VertexId last{7};
+  EXPECT_THROW(organ.refit({last}, {}), std::invalid_argument);
+  EXPECT_THROW(organ.refit({last, VertexId{8}}, {{0, 0, 9}, {0, 0, 9}}), std::invalid_argument);
+  EXPECT_THROW(organ.refit({last, last}, {{0, 0, 9}, {0, NAN, 9}}), std::invalid_argument);
   EXPECT_EQ(nearestTriangle(organ, Eigen::Vector3d(0.5, 0.5, 3.0)).distance, 2.0);
 }
 

@@ -6,25 +6,37 @@
 #include <array>
 #include <set>
 
+#include "brute_force.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
 namespace {
 
-using Child = FarthestPairTree::Child;
+using Set = FarthestPairTree::Set;
 
-/// Visits every subset with the triangles in it, leaves first; returns the triangles of `set`.
+FarthestPairTree treeOf(const TriangleMesh& mesh) {
+  Box box;
+  for (const Eigen::Vector3d& position : mesh.positions()) box.add(position);
+  return {mesh, unitFrame(box)};
+}
+
+/// Calls `visit` for every set that is split.
 template <class Visit>
-std::vector<TriangleId> visit(const FarthestPairTree& tree, Child set, const Visit& visitNode) {
-  if (set.isLeaf()) return {tree.triangle(set.leaf())};
-  std::vector<TriangleId> all;
-  for (const Child child : tree.node(set.node()).children) {
-    const std::vector<TriangleId> part = visit(tree, child, visitNode);
-    all.insert(all.end(), part.begin(), part.end());
+void forEachSplit(const FarthestPairTree& tree, const Visit& visit) {
+  std::vector<Set> open = {tree.root()};
+  while (!open.empty()) {
+    const Set set = open.back();
+    open.pop_back();
+    if (set.isLeaf()) continue;
+    visit(set);
+    for (const Set& child : tree.children(set)) open.push_back(child);
   }
-  visitNode(set.node(), all);
-  return all;
+}
+
+Eigen::Vector3d centroidOf(const FarthestPairTree& tree, const TriangleMesh& mesh,
+                           FarthestPairTree::Leaf leaf) {
+  return centroid(mesh.triangle(tree.triangle(leaf)));
 }
 
 const std::vector<TriangleMesh>& meshes() {
@@ -36,83 +48,76 @@ const std::vector<TriangleMesh>& meshes() {
 
 TEST(FarthestPairTree, HoldsEveryTriangleInExactlyOneLeaf) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree(mesh);
-    std::vector<TriangleId> all = visit(tree, tree.root(), [](std::size_t, const auto&) {});
-    std::sort(all.begin(), all.end());
-    ASSERT_EQ(all.size(), mesh.triangleCount());
-    EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
-    EXPECT_EQ(tree.nodeCount(), mesh.triangleCount() - 1);
-  }
-}
-
-TEST(FarthestPairTree, BoxesContainTheirTrianglesAlsoAfterARefit) {
-  for (const TriangleMesh& original : meshes()) {
-    TriangleMesh mesh = original;
-    FarthestPairTree tree(mesh);
-    for (int round = 0; round < 2; ++round) {
-      visit(tree, tree.root(), [&](std::size_t node, const std::vector<TriangleId>& triangles) {
-        Box expected;
-        for (const TriangleId id : triangles) expected.add(boxOf(mesh.triangle(id)));
-        EXPECT_EQ(tree.box(node).low, expected.low);
-        EXPECT_EQ(tree.box(node).high, expected.high);
-      });
-      Points moved = mesh.positions();
-      for (Eigen::Vector3d& point : moved)
-        point = Eigen::Vector3d(point.y() + 1.0, -2.0 * point.x(), point.z() * point.x());
-      mesh.setPositions(moved);
-      tree.refit(mesh);
-    }
+    const FarthestPairTree tree = treeOf(mesh);
+    ASSERT_EQ(tree.root().size(), mesh.triangleCount());
+    std::set<TriangleId> all;
+    for (FarthestPairTree::Leaf leaf = 0; leaf < tree.root().size(); ++leaf)
+      all.insert(tree.triangle(leaf));
+    EXPECT_EQ(all.size(), mesh.triangleCount());
+    std::set<std::uint32_t> nodes;
+    forEachSplit(tree, [&](const Set& set) {
+      EXPECT_TRUE(nodes.insert(set.node).second);
+      const auto [first, second] = tree.children(set);
+      EXPECT_TRUE(set.begin == first.begin && first.begin < first.end &&
+                  first.end == second.begin && second.begin < second.end && second.end == set.end);
+    });
+    EXPECT_EQ(nodes.size(), mesh.triangleCount() - 1);
   }
 }
 
 TEST(FarthestPairTree, EqualsALiteralTranscriptionOfThePaper) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree(mesh);
+    const FarthestPairTree tree = treeOf(mesh);
     const test::PaperHierarchy paper(mesh);
-    std::vector<std::pair<Child, const test::PaperHierarchy::Set*>> open = {
+    std::vector<std::pair<Set, const test::PaperHierarchy::Set*>> open = {
         {tree.root(), &paper.root()}};
     while (!open.empty()) {
-      const auto [child, set] = open.back();
+      const auto [set, expected] = open.back();
       open.pop_back();
-      ASSERT_EQ(child.isLeaf(), set->first == nullptr);
-      if (child.isLeaf()) {
-        EXPECT_EQ(centroid(mesh.triangle(tree.triangle(child.leaf()))),
-                  centroid(mesh.triangle(set->triangles.front())));
+      ASSERT_EQ(set.isLeaf(), expected->first == nullptr);
+      if (set.isLeaf()) {
+        EXPECT_EQ(centroidOf(tree, mesh, set.begin),
+                  centroid(mesh.triangle(expected->triangles.front())));
         continue;
       }
-      EXPECT_EQ(tree.node(child.node()).poles[0], set->first_pole);
-      EXPECT_EQ(tree.node(child.node()).poles[1], set->second_pole);
-      open.emplace_back(tree.node(child.node()).children[0], set->first.get());
-      open.emplace_back(tree.node(child.node()).children[1], set->second.get());
+      EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[0]), expected->first_pole);
+      EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[1]), expected->second_pole);
+      open.emplace_back(tree.children(set)[0], expected->first.get());
+      open.emplace_back(tree.children(set)[1], expected->second.get());
     }
   }
 }
 
 TEST(FarthestPairTree, DoesNotDependOnTheNumbersOfTheTriangles) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree(mesh);
+    const FarthestPairTree tree = treeOf(mesh);
     const TriangleMesh renumbered = test::shuffled(mesh, 5);
-    const FarthestPairTree other(renumbered);
-    ASSERT_EQ(tree.nodeCount(), other.nodeCount());
-    for (std::size_t i = 0; i < tree.nodeCount(); ++i) {
-      EXPECT_EQ(tree.node(i).poles, other.node(i).poles);
-      EXPECT_EQ(tree.box(i).low, other.box(i).low);
-      EXPECT_EQ(tree.box(i).high, other.box(i).high);
-    }
+    const FarthestPairTree other = treeOf(renumbered);
+    forEachSplit(tree, [&](const Set& set) {
+      EXPECT_EQ(tree.poles(set), other.poles(set));
+      EXPECT_EQ(tree.children(set)[0].end, other.children(set)[0].end);
+    });
+    for (FarthestPairTree::Leaf leaf = 0; leaf < tree.root().size(); ++leaf)
+      EXPECT_EQ(centroidOf(tree, mesh, leaf), centroidOf(other, renumbered, leaf));
   }
 }
 
-TEST(FarthestPairTree, PolesMoveWithTheirTriangles) {
-  TriangleMesh mesh = test::blob(3);
-  FarthestPairTree tree(mesh);
-  Points moved = mesh.positions();
-  for (Eigen::Vector3d& point : moved) point += Eigen::Vector3d(1.0, 2.0, 3.0) * point.x();
-  mesh.setPositions(moved);
-  tree.refit(mesh);
-  for (std::size_t i = 0; i < tree.nodeCount(); ++i) {
-    for (const std::size_t side : {0, 1}) {
-      EXPECT_EQ(tree.node(i).poles[side],
-                centroid(mesh.triangle(tree.node(i).pole_triangles[side])));
+TEST(FarthestPairTree, GreedySearchFollowsTheTrianglesAlsoAfterARefit) {
+  std::mt19937 generator(6);
+  for (const TriangleMesh& original : meshes()) {
+    TriangleMesh mesh = original;
+    FarthestPairTree tree = treeOf(mesh);
+    Points moved = mesh.positions();
+    for (Eigen::Vector3d& point : moved)
+      point = Eigen::Vector3d(point.y() + 1.0, -2.0 * point.x(), point.z() * point.x());
+    mesh.setPositions(moved);
+    Box box;
+    for (const Eigen::Vector3d& point : moved) box.add(point);
+    tree.refit(mesh, unitFrame(box));
+    for (int i = 0; i < 300; ++i) {
+      const Eigen::Vector3d tip =
+          i % 3 == 0 ? moved[generator() % moved.size()] : test::randomPoint(generator, 2.0);
+      ASSERT_EQ(tree.greedySearch(mesh, tip).end, test::greedyLeaf(tree, mesh, tip));
     }
   }
 }
@@ -128,9 +133,9 @@ TEST(FarthestPairTree, CoincidentTrianglesEndInALogarithmOfLevels) {
     }
     triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
   }
-  EXPECT_LE(FarthestPairTree(TriangleMesh(points, triangles)).depth(), 64U);
+  EXPECT_LE(treeOf(TriangleMesh(points, triangles)).depth(), 64U);
   const std::vector<Corners> copies(1000, test::corners(0, 1, 2));
-  EXPECT_EQ(FarthestPairTree(TriangleMesh(points, copies)).depth(), 10U);
+  EXPECT_EQ(treeOf(TriangleMesh(points, copies)).depth(), 10U);
 }
 
 TEST(FarthestPairTree, ExponentiallySpacedTrianglesGoDeepWithoutRecursion) {
@@ -141,14 +146,13 @@ TEST(FarthestPairTree, ExponentiallySpacedTrianglesGoDeepWithoutRecursion) {
     points.insert(points.end(), {{x, 0, 0}, {x, x, 0}, {x, 0, x}});
     triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
   }
-  const FarthestPairTree tree(TriangleMesh(points, triangles));
+  const FarthestPairTree tree = treeOf(TriangleMesh(points, triangles));
   EXPECT_GT(tree.depth(), 300U);
-  EXPECT_EQ(tree.nodeCount(), 899U);
 }
 
 TEST(FarthestPairTree, OfOneTriangleIsALeaf) {
   const TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {test::corners(0, 1, 2)});
-  const FarthestPairTree tree(mesh);
+  const FarthestPairTree tree = treeOf(mesh);
   EXPECT_TRUE(tree.root().isLeaf());
   EXPECT_EQ(tree.depth(), 0U);
 }

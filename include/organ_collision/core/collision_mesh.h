@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
 #include "organ_collision/core/mesh_health.h"
 #include "organ_collision/core/mesh_topology.h"
 #include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/wide_tree.h"
 
 namespace organ_collision::core {
 
@@ -19,6 +21,7 @@ class CollisionMesh {
   const TriangleMesh& mesh() const { return mesh_; }
   const MeshTopology& topology() const { return *topology_; }
   const FarthestPairTree& tree() const { return tree_; }
+  const WideTree& wideTree() const { return wide_tree_; }
   const MeshHealth& health() const { return health_; }
 
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
@@ -26,17 +29,31 @@ class CollisionMesh {
   /// TriangleMesh::setPositions()).
   void refit(Points positions);
 
+  /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
+  /// they add to the health. `positions` [m] are those of `moved`, in its order. O(k log n) for k
+  /// vertices, but for what sticks out of the box of the last whole refit or leaves its faces:
+  /// O(n).
+  void refit(const std::vector<VertexId>& moved, const Points& positions);
+
   /// Splits anew for the positions as they are. O(n log n).
-  void rebuild() { tree_ = FarthestPairTree(mesh_); }
+  void rebuild();
 
   std::size_t memory() const;  ///< [bytes] of mesh, hierarchy and topology
 
  private:
+  std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
+  HealthTally tallyOf(const std::vector<TriangleId>& triangles) const;
+  void takeStock();
+  void refitAll();
+
   TriangleMesh mesh_;
   std::shared_ptr<const MeshTopology>
       topology_;  // the same for every copy: refitting changes positions only
-  FarthestPairTree tree_;
+  UnitFrame frame_;
+  HealthTally tally_;
   MeshHealth health_;
+  FarthestPairTree tree_;
+  WideTree wide_tree_;
 };
 
 }  // namespace organ_collision::core

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "organ_collision/core/box.h"
 #include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/unit_frame.h"
 
 namespace organ_collision::core {
 
@@ -16,67 +16,78 @@ namespace organ_collision::core {
 /// (ties too) with the second. Fixed where the paper is silent, so that renumbering the triangles
 /// changes nothing: the first pole is the lexicographically smaller; of pairs that tie the
 /// lexicographically smallest is taken; a set whose centroids coincide is ordered by its triangles'
-/// sorted corners and split in halves. Beyond the paper, every set has a box that contains its
-/// triangles, for the exact search. Invariants: every triangle is in exactly one leaf; a child's
-/// box lies in its parent's; children come after parents. Source: Muñoz, Diaz León, Trefftz,
-/// "Development of a hierarchy collision detection algorithm in order to implement a laparoscopic
-/// surgical simulator", Quid 19 (2012).
+/// sorted corners and split in halves. Source: Muñoz, Diaz León, Trefftz, "Development of a
+/// hierarchy collision detection algorithm in order to implement a laparoscopic surgical
+/// simulator", Quid 19 (2012).
 class FarthestPairTree {
  public:
   /// Position of a triangle in the order of the leaves, which does not depend on the triangles'
   /// numbers.
   using Leaf = std::uint32_t;
 
-  /// A subset: another node, or a single triangle.
-  class Child {
-   public:
-    static Child node(std::size_t node) { return Child(static_cast<std::uint32_t>(node)); }
-    static Child leaf(Leaf leaf) { return Child(leaf | kLeafBit); }
-    bool isLeaf() const { return (bits_ & kLeafBit) != 0; }
-    std::size_t node() const { return bits_; }
-    Leaf leaf() const { return bits_ & ~kLeafBit; }
-
-   private:
-    static constexpr std::uint32_t kLeafBit = 0x80000000U;
-    explicit Child(std::uint32_t bits) : bits_(bits) {}
-    std::uint32_t bits_;
+  /// The leaves [begin, end), which stay together; `node` splits them if they are more than one.
+  struct Set {
+    Leaf begin, end;
+    std::uint32_t node;
+    bool isLeaf() const { return end - begin == 1; }
+    std::uint32_t size() const { return end - begin; }
   };
 
-  /// A set of two or more triangles, split by its poles.
-  struct Node {
-    std::array<Eigen::Vector3d, 2> poles;      ///< [m] centroids of the pole triangles
-    std::array<TriangleId, 2> pole_triangles;  ///< they move with the mesh
-    std::array<Child, 2> children;
-  };
-
-  /// O(n log n) for organs: see farthestPair().
-  explicit FarthestPairTree(const TriangleMesh& mesh);
+  /// O(n log n) for organs (see farthestPair()), on all cores.
+  FarthestPairTree(const TriangleMesh& mesh, const UnitFrame& frame);
 
   /// Takes over the positions of `mesh`, which must have the topology that the tree was built from:
-  /// boxes and poles move, the splits stay. O(n). Source: G. van den Bergen, "Efficient collision
-  /// detection of complex deformable models using AABB trees" (1997).
-  void refit(const TriangleMesh& mesh);
+  /// the poles move with their triangles, the splits stay. O(n).
+  void refit(const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// The whole set.
-  Child root() const { return nodes_.empty() ? Child::leaf(0) : Child::node(0); }
-  const Node& node(std::size_t i) const { return nodes_[i]; }
-  const Box& box(std::size_t i) const { return boxes_[i]; }
+  /// The same where only the triangles of `moved` (leaves, ascending) have moved, in the frame of
+  /// the last refit. O(k log n) for k leaves.
+  void refit(const TriangleMesh& mesh, const std::vector<Leaf>& moved);
+
+  Set root() const { return {0, static_cast<Leaf>(leaves_.size()), 0}; }
+  /// REQUIRES: not a leaf.
+  std::array<Set, 2> children(const Set& set) const {
+    // A set of m leaves has m - 1 nodes; they follow its own, the first child's before the other's.
+    const std::uint32_t first_size = nodes_[set.node].first_size;
+    return {Set{set.begin, set.begin + first_size, set.node + 1},
+            Set{set.begin + first_size, set.end, set.node + first_size}};
+  }
+  /// The poles of a set, as leaves. REQUIRES: not a leaf.
+  const std::array<Leaf, 2>& poles(const Set& set) const { return nodes_[set.node].poles; }
   TriangleId triangle(Leaf leaf) const { return leaves_[leaf]; }
 
-  /// The child whose pole is nearer to `point` [m]; of equally near ones the second, as when
-  /// building.
-  static std::size_t nearerChild(const Node& node, const Eigen::Vector3d& point) {
-    return squaredLength(point - node.poles[0]) < squaredLength(point - node.poles[1]) ? 0 : 1;
-  }
+  /// Where the paper's search leads: go to the child whose pole is nearer to `tip` [m], of equally
+  /// near ones to the second, until one triangle is left. A product of vectors a level; only where
+  /// rounding could decide wrongly, the poles themselves are measured.
+  struct GreedyPath {
+    Leaf end;
+    std::uint32_t nodes;  ///< on the way
+  };
+  GreedyPath greedySearch(const TriangleMesh& mesh, const Eigen::Vector3d& tip) const;
 
-  std::size_t nodeCount() const { return nodes_.size(); }
   std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a leaf
   std::size_t memory() const;                   ///< [bytes]
 
  private:
+  /// A split: two to a cache line. The plane lies in the middle between the poles, in the unit
+  /// frame: normal * x - offset < 0 on the first pole's side.
+  struct Node {
+    std::array<float, 3> normal;
+    float offset;
+    std::array<Leaf, 2> poles;
+    std::uint32_t first_size;  // leaves of the first child
+    std::uint32_t unused;
+  };
+
+  class Builder;
+
+  void placePlane(const TriangleMesh& mesh, Node& node) const;
+  bool isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
+                           const Eigen::Vector3d& tip) const;
+
   std::vector<Node> nodes_;
-  std::vector<Box> boxes_;  // of the nodes
   std::vector<TriangleId> leaves_;
+  UnitFrame frame_;
   std::size_t depth_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/mesh_topology.h"
 #include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/unit_frame.h"
 
 namespace organ_collision::core {
 
@@ -22,6 +23,30 @@ struct MeshHealth {
   /// Inside and outside are known.
   bool isSolid() const { return closed && consistently_wound; }
 };
+
+/// What triangles add to their mesh's health: when some move, what they added before is taken off
+/// and what they add then is put on.
+struct HealthTally {
+  std::size_t degenerate_triangles = 0;
+  std::size_t parted_corners = 0;  ///< that are no longer where their weld is
+  double volume = 0.0;             ///< six times, in the unit frame
+  double rounding = 0.0;           ///< of the volume
+
+  void add(const HealthTally& other);
+  void remove(const HealthTally& other);
+};
+
+/// Of one triangle.
+HealthTally tallyOf(TriangleId triangle, const TriangleMesh& mesh, const MeshTopology& topology,
+                    const UnitFrame& frame);
+/// Of all triangles. O(n).
+HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology, const UnitFrame& frame);
+
+/// Of all triangles. O(n).
+Box boxOf(const TriangleMesh& mesh);
+
+/// `box` and `tally` are those of all triangles.
+MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally);
 
 /// O(n).
 MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology);

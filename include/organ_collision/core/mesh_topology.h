@@ -37,8 +37,10 @@ class MeshTopology {
     return duplicate_triangles_;
   }  ///< same corners as an earlier one
 
-  /// Whether the vertices of every weld are still at one position. O(n).
-  bool weldsHold(const TriangleMesh& mesh) const;
+  /// Whether a vertex is where the first of its weld is.
+  bool isAtWeld(VertexId vertex, const TriangleMesh& mesh) const {
+    return mesh.position(vertex) == mesh.position(representatives_[weld(vertex)]);
+  }
 
   std::size_t memory() const;  ///< [bytes]
 

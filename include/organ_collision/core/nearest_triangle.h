@@ -23,8 +23,8 @@ void requireUsable(const Accuracy& accuracy);
 
 /// What a search cost; the same on every machine.
 struct SearchWork {
-  std::uint32_t bounds = 0;     ///< boxes measured
-  std::uint32_t triangles = 0;  ///< triangles measured
+  std::uint32_t bounds = 0;     ///< boxes measured; greedy: poles compared
+  std::uint32_t triangles = 0;  ///< triangles looked at
 };
 
 /// The triangle of an organ nearest to an instrument's tip, with the proof of how wrong that may

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "organ_collision/core/box.h"
+
+namespace organ_collision::core {
+
+/// Coordinates in which an organ fills about [-1, 1]^3, whatever its size and place: what is kept
+/// in single precision neither over- nor underflows there, and a mesh scaled by a power of two
+/// looks the same.
+struct UnitFrame {
+  Eigen::Vector3d center;  ///< [m]
+  double scale;            ///< [1/m] a power of two
+
+  /// Every step rounds relatively to its result.
+  Eigen::Vector3d operator()(const Eigen::Vector3d& point) const {
+    return (point - center) * scale;
+  }
+};
+
+/// The frame for what is in `box`. A single point gets scale 1.
+UnitFrame unitFrame(const Box& box);
+
+}  // namespace organ_collision::core

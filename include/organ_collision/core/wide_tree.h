@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/unit_frame.h"
+#include "organ_collision/core/wide_node.h"
+
+namespace organ_collision::core {
+
+/// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
+/// their boxes in the node's own orientation (seen from outside, a surface looks equidistant to
+/// boxes along the axes), and below them packets of up to eight triangles. All in single precision,
+/// relative to an origin close by; eight lanes are measured at a time.
+///
+/// Invariants: every leaf of the hierarchy is in one lane of one packet; a lane's box holds what is
+/// below it, moved to the node's origin and turned into its orientation, in exact arithmetic;
+/// children come after parents; lanes that are not in use repeat the first one.
+/// Sources: A. Dammertz et al., "Shallow bounding volume hierarchies" (2008), for wide nodes;
+/// S. Gottschalk et al., "OBBTree" (1996), for the orientation.
+enum class Fit : std::uint8_t;
+
+class WideTree {
+ public:
+  using Leaf = FarthestPairTree::Leaf;
+  using Set = FarthestPairTree::Set;
+  using Node = WideNode;
+  using Packet = TrianglePacket;
+
+  WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
+
+  /// Takes over the positions of `mesh`; sets and orientations stay. O(n). Source: G. van den
+  /// Bergen, "Efficient collision detection of complex deformable models using AABB trees" (1997).
+  void refit(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
+
+  /// The same where only the triangles of `moved` (leaves, ascending) have moved, in the frame of
+  /// the last refit. O(k log n) for k leaves.
+  void refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
+             const std::vector<Leaf>& moved);
+
+  /// A box along the axes of the unit frame around what is in a lane of a node.
+  Box boxOf(const Node& node, std::uint32_t lane) const;
+
+  Leaf leafOf(TriangleId triangle) const {
+    const std::uint32_t place = places_[index(triangle)];
+    return packets_[place / kLaneCount].first_leaf + place % kLaneCount;
+  }
+  const UnitFrame& frame() const { return frame_; }
+  const std::vector<Node>& nodes() const { return nodes_; }  ///< the root first
+  const std::vector<Packet>& packets() const { return packets_; }
+
+  std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a packet
+  std::size_t memory() const;                   ///< [bytes]
+
+ private:
+  class Collapse;
+
+  void addChildren(const FarthestPairTree& tree, const Collapse& collapse, std::uint32_t self,
+                   std::vector<Set>& sets);
+  void fill(Packet& packet, const FarthestPairTree& tree, const TriangleMesh& mesh) const;
+  void enclose(std::size_t node, Fit fit);
+
+  UnitFrame frame_;
+  std::vector<Node> nodes_;
+  std::vector<Packet> packets_;
+  std::vector<std::uint32_t> parents_;  // of the nodes
+  std::vector<std::uint32_t> places_;   // of each triangle: its packet * 8 + its lane
+  std::size_t depth_ = 0;
+};
+
+}  // namespace organ_collision::core

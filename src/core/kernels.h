@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/search.h"
+#include "organ_collision/core/wide_node.h"
+
+// What is translated once for each vector unit. Plain data only: no code that is translated for one
+// unit may be called by code for another.
+namespace organ_collision::core {
+
+/// How closely a node's boxes are drawn: around the boxes of all packets below, or around all the
+/// corners there, which takes longer.
+enum class Fit : std::uint8_t { kBoxes, kCorners };
+
+struct Kernels {
+  /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
+  void (*walk)(Search& search);
+  /// Places a node's origin and boxes. REQUIRES: that is done for all nodes and packets below.
+  void (*enclose)(WideNode* nodes, const TrianglePacket* packets, std::uint32_t node, Fit fit);
+};
+
+extern const Kernels kBaselineKernels;
+extern const Kernels kAvx2Kernels;
+extern const Kernels kAvx512Kernels;
+
+/// Those of vectorUnit(). All of them give the same answers, bit for bit.
+const Kernels& kernels();
+
+}  // namespace organ_collision::core

@@ -1,0 +1,9 @@
+#include "core/enclose.h"
+#include "core/kernels.h"
+#include "core/search_walk.h"
+
+namespace organ_collision::core {
+
+const Kernels kAvx512Kernels = {walk, enclose};
+
+}  // namespace organ_collision::core

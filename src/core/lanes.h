@@ -1,0 +1,189 @@
+#pragma once
+
+#include <cstdint>
+
+// Eight numbers at a time, in the compiler's own vectors of the width that the translation unit is
+// made for. Internal linkage throughout: no unit's code may be taken for another's.
+namespace organ_collision::core {
+namespace {
+
+#if defined(__AVX512F__)
+constexpr int kVectorBytes = 64;
+#elif defined(__AVX__)
+constexpr int kVectorBytes = 32;
+#else
+constexpr int kVectorBytes = 16;
+#endif
+
+constexpr int kLanes = 8;
+template <class Real>
+constexpr int kPartBytes =
+    kVectorBytes < kLanes* int{sizeof(Real)} ? kVectorBytes : kLanes* int{sizeof(Real)};
+
+/// Vector types of the machine, and the integers that comparisons give.
+template <class Real>
+struct Part;
+template <>
+struct Part<float> {
+  using Numbers __attribute__((vector_size(kPartBytes<float>))) = float;
+  using Truths __attribute__((vector_size(kPartBytes<float>))) = std::int32_t;
+};
+template <>
+struct Part<double> {
+  using Numbers __attribute__((vector_size(kPartBytes<double>))) = double;
+  using Truths __attribute__((vector_size(kPartBytes<double>))) = std::int64_t;
+};
+
+inline float rootOf(float x) { return __builtin_sqrtf(x); }
+inline double rootOf(double x) { return __builtin_sqrt(x); }
+
+/// The bits of a comparison, one a lane.
+template <class Truths>
+inline std::uint32_t bitsOf(const Truths& truths) {
+#if defined(__AVX__)
+  if constexpr (sizeof(truths) == 32 && sizeof(truths[0]) == 4) {
+    using Floats __attribute__((vector_size(32))) = float;
+    return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(truths)));
+  }
+#elif defined(__SSE2__)
+  if constexpr (sizeof(truths) == 16 && sizeof(truths[0]) == 4) {
+    using Floats __attribute__((vector_size(16))) = float;
+    return static_cast<std::uint32_t>(__builtin_ia32_movmskps(reinterpret_cast<Floats>(truths)));
+  }
+#endif
+  std::uint32_t bits = 0;
+  for (int i = 0; i < int{sizeof(truths) / sizeof(truths[0])}; ++i)
+    bits |= static_cast<std::uint32_t>(truths[i] & 1) << i;
+  return bits;
+}
+
+template <class Real>
+struct Truth {
+  static constexpr int kParts = kLanes * int{sizeof(Real)} / kPartBytes<Real>;
+  typename Part<Real>::Truths part[kParts];
+
+  std::uint32_t bits() const {
+    std::uint32_t all = 0;
+    for (int i = 0; i < kParts; ++i) all |= bitsOf(part[i]) << (i * (kLanes / kParts));
+    return all;
+  }
+};
+
+template <class Real>
+struct Lanes {
+  static constexpr int kParts = Truth<Real>::kParts;
+  static constexpr int kPartLanes = kLanes / kParts;
+  using Numbers = typename Part<Real>::Numbers;
+  Numbers part[kParts];
+
+  /// The same number in all lanes.
+  static Lanes all(Real x) {
+    Lanes result;
+    for (Numbers& part : result.part) part = x - Numbers{};
+    return result;
+  }
+  /// 0, 1, ... 7.
+  static Lanes numbers() {
+    Lanes result;
+    for (int lane = 0; lane < kLanes; ++lane)
+      result.part[lane / kPartLanes][lane % kPartLanes] = static_cast<Real>(lane);
+    return result;
+  }
+  /// Eight numbers, aligned like a vector.
+  static Lanes load(const float* values) {
+    Lanes result;
+    for (int i = 0; i < kParts; ++i) {
+      using Stored __attribute__((vector_size(kPartLanes * sizeof(float)))) = float;
+      result.part[i] = __builtin_convertvector(
+          *reinterpret_cast<const Stored*>(values + i * kPartLanes), Numbers);
+    }
+    return result;
+  }
+  void store(Real* values) const { __builtin_memcpy(values, part, sizeof(part)); }
+  Real operator[](std::uint32_t lane) const { return part[lane / kPartLanes][lane % kPartLanes]; }
+};
+
+template <class Real, class Operation>
+inline Lanes<Real> lanewise(const Lanes<Real>& a, const Lanes<Real>& b,
+                            const Operation& operation) {
+  Lanes<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i) result.part[i] = operation(a.part[i], b.part[i]);
+  return result;
+}
+
+template <class Real>
+inline Lanes<Real> operator+(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x + y; });
+}
+template <class Real>
+inline Lanes<Real> operator-(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x - y; });
+}
+template <class Real>
+inline Lanes<Real> operator*(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x * y; });
+}
+template <class Real>
+inline Lanes<Real> operator/(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x / y; });
+}
+/// The second where the first is not a number.
+template <class Real>
+inline Lanes<Real> larger(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x > y ? x : y; });
+}
+/// The second where the first is not a number.
+template <class Real>
+inline Lanes<Real> smaller(const Lanes<Real>& a, const Lanes<Real>& b) {
+  return lanewise(a, b, [](const auto& x, const auto& y) { return x < y ? x : y; });
+}
+template <class Real>
+inline Lanes<Real> root(const Lanes<Real>& a) {
+  Lanes<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i)
+    for (int lane = 0; lane < Lanes<Real>::kPartLanes; ++lane)
+      result.part[i][lane] = rootOf(a.part[i][lane]);
+  return result;
+}
+template <class Real>
+inline Lanes<Real> magnitude(const Lanes<Real>& a) {
+  return larger(a, Lanes<Real>{} - a);
+}
+
+template <class Real>
+inline Truth<Real> operator<=(const Lanes<Real>& a, const Lanes<Real>& b) {
+  Truth<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i) result.part[i] = a.part[i] <= b.part[i];
+  return result;
+}
+template <class Real>
+inline Truth<Real> operator&(const Truth<Real>& a, const Truth<Real>& b) {
+  Truth<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i) result.part[i] = a.part[i] & b.part[i];
+  return result;
+}
+template <class Real>
+inline Truth<Real> operator!(const Truth<Real>& a) {
+  Truth<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i) result.part[i] = ~a.part[i];
+  return result;
+}
+template <class Real>
+inline Real leastOf(const Lanes<Real>& lanes) {
+  Real values[kLanes];
+  lanes.store(values);
+  Real least = values[0];
+  for (int i = 1; i < kLanes; ++i) least = values[i] < least ? values[i] : least;
+  return least;
+}
+/// a where it is true, else b.
+template <class Real>
+inline Lanes<Real> select(const Truth<Real>& truth, const Lanes<Real>& a, const Lanes<Real>& b) {
+  Lanes<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i)
+    result.part[i] = truth.part[i] ? a.part[i] : b.part[i];
+  return result;
+}
+
+}  // namespace
+}  // namespace organ_collision::core

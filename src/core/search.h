@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "organ_collision/core/wide_node.h"
+
+namespace organ_collision::core {
+
+/// Sets that wait are kept with a lower bound of their distance: its bits in front, so that the
+/// nearer comes first, then the set's number.
+using Waiting = std::uint64_t;
+
+/// Triangles that may be nearest and wait to be measured.
+struct Candidate {
+  float bound;
+  std::uint32_t leaf;
+};
+
+/// One search: what it is given, what it knows, what it has found. Lengths in the unit frame.
+struct Search {
+  const WideNode* nodes;
+  const TrianglePacket* packets;
+  std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
+  std::uint32_t corner_count;
+  std::uint32_t leaves_left;  ///< that may be looked at
+  Waiting* stack;             ///< room for 7 to a level, and 1
+  double share, allowance;    ///< what is farther than best * share or best - allowance is left out
+
+  /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
+  void (*measure)(Search& search, std::uint32_t leaf);
+  double best;  ///< the nearest triangle is not farther
+
+  double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
+  std::uint32_t bounds, triangles;  ///< boxes and triangles looked at
+};
+
+}  // namespace organ_collision::core
