@@ -1,5 +1,4 @@
-// The demo's stand-in for a simulator: moves two instruments over the organ and publishes their
-// joints.
+// The demo's surgeon: moves two instruments over the organ and into it, and publishes their joints.
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <tf2_eigen/tf2_eigen.h>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "closed_path.h"
+#include "parameters.h"
 #include "trocar.h"
 
 namespace organ_collision::demo {
@@ -24,16 +24,6 @@ struct Instrument {
   std::vector<Eigen::Vector3d> waypoints;  ///< [m] in the trocar's frame
   double period;                           ///< [s] of one turn
 };
-
-template <typename T>
-T required(const ros::NodeHandle& node, const std::string& key) {
-  T value{};
-  if (!node.getParam(key, value)) {
-    throw std::invalid_argument("parameter " + node.resolveName(key) +
-                                " is missing or of another type");
-  }
-  return value;
-}
 
 double requiredPositive(const ros::NodeHandle& node, const std::string& key) {
   const auto value = required<double>(node, key);

@@ -3,20 +3,32 @@
 import unittest
 
 import numpy as np
-from rostest_support import ContactsInbox, Services, contact_of, coordinates, run
+from rostest_support import ContactsInbox, Services, Surface, contact_of, coordinates, run, wait_until
 
 from organ_collision.msg import Contact
 
-STAY_NEAR = 0.03  # [m] the demo's paths keep to 22 mm above and 3 mm inside of the liver
+STAY_NEAR = 0.03  # [m] the demo's paths keep to 20 mm above and 10 mm inside of the liver at rest
+DENT = 0.005  # [m] the least that both instruments press it in
+ROUND = 40.0  # [s] within which each instrument has gone its round, of 24 s at most
+FREQUENCY = 60.0  # [Hz] of the simulated organ
+HOLDS_STILL = 1e-6  # [m] of what nothing touches: a float's digits
 INSTRUMENTS = ("left", "right")
 
 
 class Demo(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.services = Services()
+        cls.at_rest = Surface.shipped()
+        cls.contacts = ContactsInbox()
+        cls.contacts.wait_for(lambda array: all(contact.status == Contact.OK for contact in array.contacts))
+
+    def moved(self):
+        """How far each vertex is from the file's [m]."""
+        return np.linalg.norm(self.services.surface().vertices - self.at_rest.vertices, axis=1)
+
     def test_both_instruments_have_contacts_and_go_on_having_them(self):
-        surface = Services().surface("liver")
-        contacts = ContactsInbox()
-        contacts.wait_for(lambda array: all(contact.status == Contact.OK for contact in array.contacts))
-        arrays = contacts.collect(500)
+        arrays = self.contacts.collect(500)
         self.assertEqual({array.header.frame_id for array in arrays}, {"world"})
         for name in INSTRUMENTS:
             of_one = [contact_of(array, name) for array in arrays]
@@ -25,10 +37,35 @@ class Demo(unittest.TestCase):
             self.assertLess(max(abs(contact.nearest.distance) for contact in of_one), STAY_NEAR)
             points = [coordinates(contact.instrument_point) for contact in of_one]
             self.assertGreater(np.linalg.norm(points[-1] - points[0]), 0.0)
+
+    def test_contacts_are_right_for_the_mesh_that_they_name(self):
+        self.contacts.forget()
+        answer = self.services.get_mesh()
+        surface = self.at_rest.of([coordinates(vertex) for vertex in answer.mesh.vertices])
+        array = self.contacts.wait_for(lambda array: array.contacts[0].mesh_version == answer.mesh_version)
+        for contact in array.contacts:
             # config/instruments.urdf puts the liver 0.15 m over the table.
-            last = of_one[-1]
-            self.assertAlmostEqual(last.nearest.distance, surface.signed_distance(points[-1] - [0, 0, 0.15]),
-                                   delta=1e-12)
+            tip = coordinates(contact.instrument_point) - [0, 0, 0.15]
+            self.assertAlmostEqual(contact.nearest.distance, surface.signed_distance(tip), delta=1e-12)
+
+    def test_the_organ_deforms_as_often_as_it_is_simulated(self):
+        arrays = self.contacts.collect(1500)
+        versions = arrays[-1].contacts[0].mesh_version - arrays[0].contacts[0].mesh_version
+        seconds = (arrays[-1].header.stamp - arrays[0].header.stamp).to_sec()
+        self.assertGreater(versions / seconds, 0.5 * FREQUENCY, "on a loaded machine some are merged")
+        self.assertLess(versions / seconds, 1.1 * FREQUENCY)
+
+    def test_each_instrument_touches_the_organ_and_leaves_it_again(self):
+        for name in INSTRUMENTS:
+            for touches in (True, False, True):
+                self.contacts.forget()
+                self.contacts.contact(name, lambda contact: contact.colliding == touches, ROUND)
+
+    def test_the_instruments_press_dents_and_the_rest_stays(self):
+        wait_until(lambda: self.moved().max() > DENT, "a dent", ROUND)
+        below = self.at_rest.vertices[:, 2] < -0.03
+        self.assertGreater(below.sum(), 0)
+        self.assertLess(self.moved()[below].max(), HOLDS_STILL)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,99 @@
+// The demo's soft organ: instruments of tf press into it, and its vertices are streamed, as by any
+// simulator.
+#include <organ_collision/MeshUpdate.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "node/frame_lookup.h"
+#include "organ_collision/io/mesh_io.h"
+#include "parameters.h"
+#include "soft_organ.h"
+
+namespace organ_collision::demo {
+namespace {
+
+constexpr double kWarningPeriod = 5.0;  // [s]
+constexpr double kSlowest = 1.05;       // [s] of the clock for a simulated one; more is told
+
+/// Warns of a simulation that falls behind the clock.
+class Pace {
+ public:
+  void countStep() {
+    simulated_ += SoftOrgan::kStep;
+    if (simulated_ < kWarningPeriod) return;
+    const double passed = (ros::WallTime::now() - since_).toSec();
+    if (passed > kSlowest * simulated_)
+      ROS_WARN("slower than real time: it took %.1f s to simulate %.1f s", passed, simulated_);
+    *this = Pace();
+  }
+
+ private:
+  ros::WallTime since_ = ros::WallTime::now();
+  double simulated_ = 0.0;  // [s] since then
+};
+
+/// What tf last said of each tip.
+std::vector<SoftOrgan::TipPose> tipPoses(const tf2::BufferCore& buffer, const std::string& organ,
+                                         const std::vector<std::string>& tips) {
+  std::vector<SoftOrgan::TipPose> organ_from_tips;
+  for (const std::string& tip : tips) {
+    const node::FrameLookup lookup = node::lookUpFrame(buffer, organ, tip);
+    if (!lookup.pose)
+      ROS_WARN_DELAYED_THROTTLE(kWarningPeriod, "%s: %s", tip.c_str(), lookup.reason.c_str());
+    organ_from_tips.push_back(lookup.pose ? SoftOrgan::TipPose(lookup.pose->target_from_source)
+                                          : std::nullopt);
+  }
+  return organ_from_tips;
+}
+
+void setPositions(MeshUpdate& update, const core::Points& positions) {
+  update.positions.clear();
+  update.positions.reserve(3 * positions.size());
+  for (const Eigen::Vector3d& position : positions) {
+    for (const double coordinate : position)
+      update.positions.push_back(static_cast<float>(coordinate));
+  }
+}
+
+void simulate(ros::NodeHandle& node, const ros::NodeHandle& parameters) {
+  MeshUpdate update;
+  update.organ = required<std::string>(parameters, "organ");
+  update.header.frame_id = required<std::string>(parameters, "frame");
+  const auto tips = required<std::vector<std::string>>(parameters, "tips");
+  SoftOrgan organ(io::loadMesh(required<std::string>(parameters, "mesh")), tips.size());
+
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  const ros::Publisher publisher = node.advertise<MeshUpdate>("mesh_update", 10);
+  ros::WallRate rate(1.0 / SoftOrgan::kStep);
+  Pace pace;
+  while (ros::ok()) {
+    if (!organ.step(tipPoses(buffer, update.header.frame_id, tips)))
+      ROS_WARN("%s was torn too far: it is put back to rest", update.organ.c_str());
+    update.header.stamp = ros::Time::now();
+    setPositions(update, organ.positions());
+    publisher.publish(update);
+    pace.countStep();
+    rate.sleep();
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::demo
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "demo_organ");
+  try {
+    ros::NodeHandle node;
+    organ_collision::demo::simulate(node, ros::NodeHandle("~"));
+    return 0;
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+}
