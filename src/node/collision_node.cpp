@@ -15,13 +15,15 @@ namespace organ_collision::node {
 namespace {
 
 constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
+constexpr double kCatchUp = 0.02;           // [s] of poses that came together are answered at once
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
 constexpr double kTransformPatience = 0.1;  // [s] that a service waits for a transform
 constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
-constexpr unsigned kSpinnerThreads = 4;  // so that a few large batches do not keep updates waiting
+constexpr unsigned kSpinnerThreads = 4;   // so that a few large batches do not keep updates waiting
+constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
     100;  // taken in faster than they come: each is only added to what waits
 
@@ -77,7 +79,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   diagnostics_.setHardwareID("none");
   diagnostics_.add("contacts", this, &CollisionNode::diagnose);
 
-  contacts_publisher_ = private_node.advertise<ContactArray>("contacts", 10);
+  contacts_publisher_ = private_node.advertise<ContactArray>("contacts", kContactsQueue);
   markers_publisher_ = private_node.advertise<visualization_msgs::MarkerArray>("markers", 2);
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
@@ -113,32 +115,37 @@ CollisionNode::~CollisionNode() {
 void CollisionNode::run() {
   const ros::WallDuration shortest(1.0 / scene_.rate);
   const ros::WallDuration heartbeat(kHeartbeat);
-  ros::WallTime last_cycle = ros::WallTime::now();
-  ros::WallTime last_published = last_cycle;
+  const ros::WallDuration credit = std::max(shortest, ros::WallDuration(kCatchUp));
+  ros::WallTime last_published = ros::WallTime::now();
+  ros::WallTime due = last_published;  // the rate allows the next cycle
   while (ros::ok()) {
     const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::WallTime::now();
-    tf_queue_.callAvailable(std::max(to_heartbeat, ros::WallDuration(0)));
-    const ros::WallDuration too_early = last_cycle + shortest - ros::WallTime::now();
+    // One at a time: every pose gets its contact, as long as the rate allows.
+    tf_queue_.callOne(std::max(to_heartbeat, ros::WallDuration(0)));
+    const ros::WallDuration too_early = due - ros::WallTime::now();
     if (too_early > ros::WallDuration(0)) {
       too_early.sleep();
       tf_queue_.callAvailable();
     }
-    last_cycle = ros::WallTime::now();
-    if (!cycle_.lookUpTips() && last_cycle - last_published < heartbeat) continue;
+    const ros::WallTime now = ros::WallTime::now();
+    if (!cycle_.lookUpTips() && now - last_published < heartbeat) continue;
     publishContacts();
-    last_published = last_cycle;
+    last_published = now;
+    // Poses that come late are answered when they come, those behind them no later for it.
+    due = std::max(due, now - credit) + shortest;
   }
 }
 
 void CollisionNode::publishContacts() {
   const ros::Time now = ros::Time::now();
-  ContactArray contacts = cycle_.contacts(now, accuracy());
-  contacts_publisher_.publish(contacts);
-  std::vector<ContactCycle::Complaint> complaints = cycle_.complaints(now);
-  warn(complaints);
+  auto cycle = std::make_shared<Cycle>();
+  cycle->contacts = cycle_.contacts(now, accuracy());
+  contacts_publisher_.publish(cycle->contacts);
+  cycle->complaints = cycle_.complaints(now);
+  warn(cycle->complaints);
+  std::shared_ptr<const Cycle> former = std::move(cycle);
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_contacts_ = std::move(contacts);
-  complaints_ = std::move(complaints);
+  last_cycle_.swap(former);  // if nobody reads it, it is freed after the lock
 }
 
 void CollisionNode::warn(const std::vector<ContactCycle::Complaint>& complaints) {
@@ -154,6 +161,11 @@ void CollisionNode::warn(const std::vector<ContactCycle::Complaint>& complaints)
     ROS_WARN("%s: %s", pair.c_str(), complaint.reason.c_str());
   }
   warn_at_ = std::move(warn_at);  // who has nothing to complain of any more starts anew
+}
+
+std::shared_ptr<const CollisionNode::Cycle> CollisionNode::lastCycle() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return last_cycle_;
 }
 
 core::Accuracy CollisionNode::accuracy() const {
@@ -289,12 +301,7 @@ void CollisionNode::publishMeshInfo() {
 void CollisionNode::publishMarkers() {
   const std::unique_lock<std::mutex> drawing(markers_mutex_, std::try_to_lock);
   if (!drawing || markers_publisher_.getNumSubscribers() == 0) return;
-  ContactArray contacts;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    contacts = last_contacts_;
-  }
-  visualization_msgs::MarkerArray markers = contactMarkers(contacts, scene_, organs_);
+  visualization_msgs::MarkerArray markers = contactMarkers(lastCycle()->contacts, scene_, organs_);
   const ros::WallTime now = ros::WallTime::now();
   const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
   if (redraw) surfaces_drawn_ = now;
@@ -309,19 +316,13 @@ void CollisionNode::publishMarkers() {
 }
 
 void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  std::vector<ContactCycle::Complaint> complaints;
-  double computation_time = 0.0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);  // run() wants it too
-    complaints = complaints_;
-    computation_time = last_contacts_.computation_time;
-  }
+  const std::shared_ptr<const Cycle> cycle = lastCycle();
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
-  for (const ContactCycle::Complaint& complaint : complaints) {
+  for (const ContactCycle::Complaint& complaint : cycle->complaints) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
                         complaint.instrument + ": " + complaint.reason);
   }
-  status.add("computation time of the last cycle [us]", 1e6 * computation_time);
+  status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {
     const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
     for (const std::string& sentence : core::warnings(snapshot->organ.health())) {

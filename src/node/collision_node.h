@@ -39,8 +39,15 @@ class CollisionNode {
   void run();
 
  private:
+  /// What run() found last.
+  struct Cycle {
+    ContactArray contacts;
+    std::vector<ContactCycle::Complaint> complaints;
+  };
+
   void publishContacts();
   void warn(const std::vector<ContactCycle::Complaint>& complaints);
+  std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
 
   bool findNearestTriangle(FindNearestTriangle::Request& request,
@@ -66,10 +73,9 @@ class CollisionNode {
   ContactCycle cycle_;                            // run() alone
   std::map<std::string, ros::WallTime> warn_at_;  // pairs with a complaint; run() alone
 
-  mutable std::mutex mutex_;  // of the three below
+  mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
-  ContactArray last_contacts_;
-  std::vector<ContactCycle::Complaint> complaints_;
+  std::shared_ptr<const Cycle> last_cycle_ = std::make_shared<Cycle>();
 
   boost::recursive_mutex reconfigure_mutex_;
   dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;

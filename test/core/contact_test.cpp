@@ -2,7 +2,23 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <new>
+
 #include "test_meshes.h"
+
+namespace {
+thread_local std::size_t allocations = 0;
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
 namespace organ_collision::core {
 namespace {
@@ -50,6 +66,24 @@ TEST(Contact, IsUncertainWhereTheAccuracyDoesNotDecideIt) {
   EXPECT_FALSE(greedy.colliding_certain);
   EXPECT_TRUE(contact(organ, Eigen::Vector3d(1, 1, 1), Accuracy::greedy()).colliding_certain);
   EXPECT_TRUE(contact(organ, Eigen::Vector3d(0, 0, 0)).colliding_certain);
+}
+
+TEST(Contact, AllocatesNothingOnceTheThreadHasSeenItsWidestSearch) {
+  const CollisionMesh organ(test::blob(4));
+  std::mt19937 generator(1);
+  Points tips(500);
+  for (Eigen::Vector3d& tip : tips) tip = test::randomPoint(generator, 0.15);
+  const auto askAll = [&] {
+    const std::size_t before = allocations;
+    for (const Eigen::Vector3d& tip : tips) {
+      contact(organ, tip);
+      contact(organ, tip, Accuracy::greedy());
+      contact(organ, tipAt(tip));
+    }
+    return allocations - before;
+  };
+  askAll();
+  EXPECT_EQ(askAll(), 0);
 }
 
 TEST(Tip, MovesWithItsFrame) {

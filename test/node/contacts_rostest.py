@@ -140,6 +140,16 @@ class Contacts(unittest.TestCase):
         self.assertGreater(len(answered), 0.8 * len(stamps), "on a loaded machine some poses come in one cycle")
         self.assertLessEqual(len(arrays), len(stamps) + elapsed / HEARTBEAT + 2)
 
+    def test_poses_that_come_together_are_all_answered(self):
+        self.place(Pose(), np.zeros(3))
+        self.contacts.forget()
+        stamps = []
+        for _ in range(20):
+            rospy.sleep(0.05)
+            stamps += [self.frames.put(("table", "liver", Pose()), ("arm", "moving_tip", Pose())) for _ in range(5)]
+        self.contacts.wait_for(lambda array: array.header.stamp == stamps[-1])
+        self.assertEqual(set(stamps) - {array.header.stamp for array in self.contacts.all()}, set())
+
     def test_contacts_do_not_come_more_often_than_the_scene_s_rate(self):
         slow = ContactsInbox("slow")
         self.move(200, 0.2)
