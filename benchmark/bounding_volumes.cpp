@@ -6,8 +6,8 @@
 #include <iostream>
 
 #include "bounding_volumes/volumes.h"
-#include "liver.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organs.h"
 #include "tools/arguments.h"
 #include "tools/output.h"
 #include "tools/statistics.h"

@@ -1,0 +1,401 @@
+#!/usr/bin/python3
+"""Makes tables, JSON and plots of what the benchmarks measured: scripts/benchmark calls it.
+
+Usage: report.py RESULTS PAGE.md
+RESULTS has what query_benchmark, update_benchmark and node_latency wrote: query_*.json, update_*.json and
+node_latency.json. In PAGE.md the text between `<!-- NAME -->` and `<!-- end -->` is replaced by the table NAME;
+performance.json and the plots go beside it.
+"""
+
+import json
+import pathlib
+import re
+import sys
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the choice of what draws)
+
+YARDSTICK = "Embree"
+# What answers best for a task: the first that is there.
+OWN = {"trajectory": ("exact, previous known", "exact"), "batch": ("exact, all cores", "exact")}
+THEIRS = {"batch": "Embree, all cores"}
+KNOWN = "Embree, previous known"
+OWN_UPDATE, THEIR_UPDATE = "this library", "Embree, refit"
+# Workload, setting (None: the exact one), triangles from and to, ratio to Embree to hold and to aim for.
+QUERY_TARGETS = [
+    ("near", None, (2e3, 2e5), 3, 6), ("far", None, (2e3, 2e5), 4, 7),
+    ("near", None, (4e5, 3e6), 4, 8), ("far", None, (4e5, 3e6), 8, 15),
+    ("trajectory", None, (2e3, 5e3), 3, 6), ("trajectory", None, (3e4, 3e6), 6, 10),
+    ("near", "greedy", (2e3, 5e3), 10, 20), ("near", "greedy", (3e4, 5e4), 15, 30),
+    ("far", "greedy", (2e3, 5e3), 26, 52), ("far", "greedy", (3e4, 5e4), 52, 104),
+    ("trajectory", "greedy", (2e3, 5e3), 7.7, 15), ("trajectory", "greedy", (3e4, 5e4), 10.5, 21),
+]
+UPDATE_TARGETS = [("all vertices", "refit of all vertices", (2e3, 2e5), 1.5, 4),
+                  ("build", "build", (2e3, 2e5), 0.5, 1)]
+ORDER = ["greedy", "4 leaves", "16 leaves", "1 %", "exact", "exact, previous known", "exact, all cores", YARDSTICK,
+         "Embree, robust", KNOWN, "Embree, all cores", "CGAL", "CGAL, previous known", "FCL OBBRSS",
+         "nanoflann on centroids", "brute force", OWN_UPDATE, OWN_UPDATE + ", partial", THEIR_UPDATE, "Embree, static",
+         "FCL OBBRSS, top down", "Bullet", "Bullet, partial"]
+SHARES_AT = 32768  # triangles, about, of the organ of which some vertices move in the plot
+GROWTH_FROM = 2000  # triangles: below, the caches hide the growth
+COLOURS = ["#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"]  # Okabe and Ito (2008)
+
+
+# ---- reading
+
+def repetitions(path):
+    """Of a Google Benchmark file: its context, and what each benchmark's repetitions said."""
+    file = json.loads(path.read_text())
+    runs = {}
+    for run in file["benchmarks"]:
+        if run["run_type"] == "iteration":
+            task, who = run["run_name"].split("/")[:2]
+            runs.setdefault(task, {}).setdefault(who, []).append(run)
+    return file["context"], runs
+
+
+def seconds(run, clock):
+    return run[clock] * {"ns": 1e-9, "us": 1e-6}[run["time_unit"]]
+
+
+def four_digits(value):
+    return float(f"{value:.4g}")
+
+
+def query_entry(task, runs):
+    clock = "real_time" if task == "batch" else "cpu_time"
+    times = sorted(four_digits(seconds(run, clock) / run["tips"]) for run in runs)
+    keys = ("tips", "max_error", "mean_error", "found", "bounds", "triangle_tests")
+    return {"times": times, **{key: runs[0][key] for key in keys if key in runs[0]}}
+
+
+def update_entry(runs):
+    keys = ("max_error", "bytes", "hierarchy_bytes", "moved")
+    return {"times": sorted(four_digits(seconds(run, "real_time")) for run in runs),
+            **{key: min(run[key] for run in runs) for key in keys if key in runs[0]}}
+
+
+def read(results):
+    """All organs by size, each with queries and updates as [task][who]; the machine; the node's latency."""
+    organs, machine, loads = {}, {}, []
+    for path in sorted(results.glob("query_*.json")) + sorted(results.glob("update_*.json")):
+        context, tasks = repetitions(path)
+        kind = path.name.split("_")[0]
+        organ = organs.setdefault(context["organ"], {"triangles": int(context["triangles"])})
+        organ[kind] = {
+            task: {who: query_entry(task, runs) if kind == "query" else update_entry(runs)
+                   for who, runs in whos.items()} for task, whos in tasks.items()}
+        machine = {key: context[key] for key in ("date", "num_cpus", "mhz_per_cpu")}
+        loads.append(context["load_avg"][0])
+    if not organs:
+        sys.exit(f"{results}: there are no results")
+    machine["processor"] = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
+                                 if line.startswith("model name")), "unknown")
+    machine["load"] = [min(loads), max(loads)]
+    latency = results / "node_latency.json"
+    return {"machine": machine, "organs": dict(sorted(organs.items(), key=lambda item: item[1]["triangles"])),
+            "node_latency": json.loads(latency.read_text()) if latency.exists() else None}
+
+
+# ---- figures
+
+def own(task, entries):
+    return next(name for name in OWN.get(task, ("exact",)) if name in entries)
+
+
+def ratio(theirs, ours):
+    """How many times faster ours is: of the least times, and the middle half of all pairs of repetitions."""
+    pairs = np.divide.outer(theirs["times"], ours["times"])
+    return theirs["times"][0] / ours["times"][0], *np.percentile(pairs, [25, 75])
+
+
+def ratio_text(theirs, ours):
+    value, low, high = ratio(theirs, ours)
+    return f"{value:.2f} [{low:.2f}-{high:.2f}]"
+
+
+def growth(organs, value):
+    """The exponent of triangles that fits value(organ) best over the blobs from GROWTH_FROM on; None: too few."""
+    points = [(organ["triangles"], value(organ)) for name, organ in organs.items()
+              if name.startswith("blob") and organ["triangles"] >= GROWTH_FROM]
+    if len(points) < 3:
+        return None
+    return np.polyfit(*np.log(np.array(points)).T, 1)[0]
+
+
+def work(entry):
+    return entry["bounds"] + entry["triangle_tests"]
+
+
+# ---- tables
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def thousands(count):
+    return f"{count:,}"
+
+
+def verdict(value, hold, aim):
+    return "aimed for" if value >= aim else "held" if value >= hold else "**missed**"
+
+
+def worst_ratio(organs, sizes, ratio_of):
+    """The least ratio over the organs of these sizes, with the organ's name."""
+    found = [(ratio_of(organ), name) for name, organ in organs.items()
+             if sizes[0] <= organ["triangles"] <= sizes[1] and ratio_of(organ)]
+    return min(found) if found else None
+
+
+def target_row(organs, what, sizes, hold, aim, ratio_of):
+    worst = worst_ratio(organs, sizes, ratio_of)
+    span = f"{sizes[0]:,.0f} to {sizes[1]:,.0f}"
+    if worst is None:
+        return [what, span, f"{hold}x", f"{aim}x", "not measured", ""]
+    (value, low, high), name = worst
+    return [what, span, f"{hold}x", f"{aim}x", f"{value:.2f}x [{low:.2f}-{high:.2f}] ({name})",
+            verdict(value, hold, aim)]
+
+
+def targets(results):
+    organs = results["organs"]
+    rows = []
+    for task, setting, sizes, hold, aim in QUERY_TARGETS:
+        def ratio_of(organ, task=task, setting=setting, yardstick=YARDSTICK):
+            entries = organ.get("query", {}).get(task, {})
+            return ratio(entries[yardstick], entries[setting or own(task, entries)]) if entries else None
+        rows.append(target_row(organs, f"{task}, {setting or 'exact'}", sizes, hold, aim, ratio_of))
+        if task == "trajectory" and setting is None:
+            rows.append(target_row(organs, "the same against Embree that knows the previous answer", sizes, hold, aim,
+                                   lambda organ, of=ratio_of: of(organ, yardstick=KNOWN)))
+    for task, what, sizes, hold, aim in UPDATE_TARGETS:
+        def ratio_of(organ, task=task):
+            entries = organ.get("update", {}).get(task, {})
+            return ratio(entries[THEIR_UPDATE], entries[OWN_UPDATE]) if entries else None
+        rows.append(target_row(organs, what, sizes, hold, aim, ratio_of))
+    ratios = table(["against Embree in the same run", "triangles", "hold", "aim", "reached: the worst organ", ""], rows)
+    return ratios + "\n\n" + table(["otherwise", "target", "reached", ""], other_targets(results))
+
+
+def other_targets(results):
+    organs = results["organs"]
+    rows = []
+
+    def add(what, limit, value, text):
+        reached = "not measured" if value is None else text
+        rows.append([what, f"at most {limit}", reached, "" if value is None else
+                     "held" if value <= limit else "**missed**"])
+
+    exponent = growth(organs, lambda organ: work(organ["query"]["near"]["exact"]))
+    add("growth of the work of an exact near query (bounds and triangle tests), exponent of the number of triangles",
+        0.35, exponent, f"{exponent or 0:.3f}")
+    memory = [organ["update"]["build"][OWN_UPDATE]["hierarchy_bytes"] for organ in organs.values() if "update" in organ]
+    add("hierarchy, bytes a triangle", 120, max(memory, default=None), f"{max(memory, default=0):.1f}")
+    latency = results["node_latency"]
+    for what, key, limit, scale in (("node end to end, median [ms]", "p50_us", 0.3, 1e-3),
+                                    ("node end to end, 99 % [ms]", "p99_us", 1.0, 1e-3),
+                                    ("node end to end, contacts lost", "lost", 0, 1)):
+        value = None if latency is None else latency[key] * scale
+        add(what, limit, value, f"{value or 0:.3g}")
+    return rows
+
+
+def entrants(organs, kind, task):
+    names = []
+    for organ in organs.values():
+        names += [name for name in organ.get(kind, {}).get(task, {}) if name not in names]
+    return sorted(names, key=rank)
+
+
+def rank(name):
+    return ORDER.index(name) if name in ORDER else len(ORDER)
+
+
+def queries(results):
+    organs = {name: organ for name, organ in results["organs"].items() if "query" in organ}
+    head = ["ns per query"] + [f"{name} {thousands(organ['triangles'])}" for name, organ in organs.items()]
+    parts = []
+    for task in ("near", "far", "inside", "trajectory", "batch"):
+        rows = [[who] + [f"{1e9 * organ['query'][task][who]['times'][0]:,.0f}"
+                         if who in organ["query"].get(task, {}) else "" for organ in organs.values()]
+                for who in entrants(organs, "query", task)]
+        theirs = THEIRS.get(task, YARDSTICK)
+        rows.append([f"*exact against {theirs}*"] + [
+            ratio_text(entries[theirs], entries[own(task, entries)]) if entries else ""
+            for entries in (organ["query"].get(task, {}) for organ in organs.values())])
+        parts.append(f"### {task}\n\n" + table(head, rows))
+    return "\n\n".join(parts)
+
+
+def errors(results):
+    """The worst that each entrant did, over all organs and workloads."""
+    found = {}
+    for organ in results["organs"].values():
+        for task in organ.get("query", {}).values():
+            for who, entry in task.items():
+                found.setdefault(who, []).append(entry)
+    rows = [[who, f"{max(entry['max_error'] for entry in found[who]):.1e}",
+             f"{max(entry['mean_error'] for entry in found[who]):.1e}",
+             f"{100 * min(entry['found'] for entry in found[who]):.1f} %",
+             thousands(int(sum(entry["tips"] for entry in found[who])))]
+            for who in sorted(found, key=rank)]
+    return table(["", "largest error [diagonal]", "mean error, worst workload [diagonal]",
+                  "as near as the exact answer, worst workload", "tips"], rows)
+
+
+def growths(results):
+    organs = results["organs"]
+    rows = []
+    for task in ("near", "far", "inside", "trajectory"):
+        row = [task]
+        for who, value in (("exact", work), ("exact", None), (YARDSTICK, None), ("CGAL", None)):
+            def value_of(organ, task=task, who=who, value=value):
+                entry = organ["query"][task][who]
+                return value(entry) if value else entry["times"][0]
+            exponent = growth(organs, value_of)
+            row.append("" if exponent is None else f"{exponent:.2f}")
+        rows.append(row)
+    return table(["exponent of the number of triangles", "work, exact", "time, exact", "time, Embree", "time, CGAL"], rows)
+
+
+def updates(results):
+    organs = {name: organ for name, organ in results["organs"].items() if "update" in organ}
+    head = [f"{name} {thousands(organ['triangles'])}" for name, organ in organs.items()]
+    parts = []
+    for task, what in (("build", "build [ms]"), ("all vertices", "follow all vertices [ms]")):
+        rows = [[who] + [f"{1e3 * organ['update'][task][who]['times'][0]:.3g}" if who in organ["update"][task] else ""
+                         for organ in organs.values()] for who in entrants(organs, "update", task)]
+        rows.append(["*this library against Embree, refit*"] + [
+            ratio_text(organ["update"][task][THEIR_UPDATE], organ["update"][task][OWN_UPDATE])
+            for organ in organs.values()])
+        parts.append(table([what] + head, rows))
+    rows = [[who] + [f"{organ['update']['build'][who]['bytes']:.0f}" if who in organ["update"]["build"] else ""
+                     for organ in organs.values()] for who in entrants(organs, "update", "build")]
+    parts.append(table(["memory with the mesh [bytes/triangle]"] + head, rows))
+    rows = []
+    for name, organ in organs.items():
+        for task, entries in organ["update"].items():
+            if task not in ("build", "all vertices"):
+                whole = organ["update"]["all vertices"]
+                rows += [[f"{name} {thousands(organ['triangles'])}", int(entry["moved"]), who,
+                          f"{1e6 * entry['times'][0]:.3g}",
+                          f"{whole[who.split(', partial')[0]]['times'][0] / entry['times'][0]:.1f}x"]
+                         for who, entry in entries.items()]
+    parts.append(table(["organ", "neighbouring vertices moved", "", "follow them [us]",
+                        "against following all"], sorted(rows, key=lambda row: (row[0], row[1]))))
+    return "\n\n".join(parts)
+
+
+def latency(results):
+    node = results["node_latency"]
+    if node is None:
+        return "Not measured: the node was not built."
+    return table(["triangles", "instruments", "updates [1/s]", "tips sent", "lost", "p50 [ms]", "p99 [ms]", "p99.9 [ms]",
+                  "max [ms]", "cycle in the node, p50 / p99 [ms]"],
+                 [[thousands(node["triangles"]), node["instruments"], node["updates_hz"], thousands(node["sent"]),
+                   node["lost"]] + [f"{1e-3 * node[key]:.3f}" for key in ("p50_us", "p99_us", "p999_us", "max_us")] +
+                  [f"{1e-3 * node['cycle_p50_us']:.3f} / {1e-3 * node['cycle_p99_us']:.3f}"]])
+
+
+def machine(results):
+    about = results["machine"]
+    entries = [organ["query"]["near"]["exact"] for organ in results["organs"].values() if "query" in organ]
+    return (f"{about['processor']}, {about['num_cpus']} cores of {about['mhz_per_cpu'] / 1000:.1f} GHz, "
+            f"{about['date'][:10]}; load average {about['load'][0]:.1f} to {about['load'][1]:.1f} (1 is the benchmark "
+            f"itself); {entries[0]['tips']:,.0f} tips a workload, {len(entries[0]['times'])} repetitions.")
+
+
+# ---- plots
+
+def draw_growth(organs, file):
+    blobs = {name: organ for name, organ in organs.items() if name.startswith("blob") and "query" in organ}
+    figure, axes = plt.subplots(2, 2, figsize=(10, 8), sharex=True)
+    who_all = [who for who in entrants(blobs, "query", "trajectory") if who not in ("4 leaves", "Embree, robust")]
+    for axis, task in zip(axes.flat, ("near", "far", "inside", "trajectory")):
+        for i, who in enumerate(who_all):
+            points = [(organ["triangles"], 1e9 * organ["query"][task][who]["times"][0])
+                      for organ in blobs.values() if who in organ["query"].get(task, {})]
+            if points:
+                axis.loglog(*zip(*points), marker=".", label=who, color=COLOURS[i % len(COLOURS)],
+                            linestyle="-" if i < len(COLOURS) else "--")
+        axis.set(title=task, xlabel="triangles", ylabel="time per query [ns]")
+        axis.grid(alpha=0.3)
+    figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="lower center", ncol=4)
+    figure.tight_layout(rect=(0, 0.1, 1, 1))
+    figure.savefig(file)
+
+
+def draw_updates(organs, file):
+    """Build and following all vertices by triangles; following some of one organ's vertices by how many."""
+    blobs = {name: organ for name, organ in organs.items() if name.startswith("blob") and "update" in organ}
+    names = sorted({who for organ in blobs.values() for task in organ["update"].values() for who in task}, key=rank)
+    styles = {who: {"marker": ".", "label": who, "color": COLOURS[i % len(COLOURS)],
+                    "linestyle": "-" if i < len(COLOURS) else "--"} for i, who in enumerate(names)}
+    figure, axes = plt.subplots(1, 3, figsize=(14, 5))
+    for axis, task, title in zip(axes, ("build", "all vertices"), ("build", "follow all vertices")):
+        for who in entrants(blobs, "update", task):
+            points = [(organ["triangles"], 1e3 * organ["update"][task][who]["times"][0])
+                      for organ in blobs.values() if who in organ["update"][task]]
+            axis.loglog(*zip(*points), **styles[who])
+        axis.set(title=title, xlabel="triangles", ylabel="time [ms]")
+    one = min(blobs.values(), key=lambda organ: abs(np.log(organ["triangles"] / SHARES_AT)))
+    for who in names:
+        points = sorted((entry[who]["moved"], 1e3 * entry[who]["times"][0])
+                        for task, entry in one["update"].items() if task != "build" and who in entry)
+        if points:
+            axes[2].loglog(*zip(*points), **styles[who])
+    axes[2].set(title=f"follow some vertices, {thousands(one['triangles'])} triangles", xlabel="vertices moved",
+                ylabel="time [ms]")
+    for axis in axes:
+        axis.grid(alpha=0.3)
+    figure.legend([plt.Line2D([], [], **styles[who]) for who in names], names, loc="lower center", ncol=5)
+    figure.tight_layout(rect=(0, 0.12, 1, 1))
+    figure.savefig(file)
+
+
+def draw_latency(node, file):
+    figure, axis = plt.subplots(figsize=(8, 4))
+    ends, counts = np.array(node["histogram_us"]).T
+    axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
+    for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
+        axis.axvline(node[key], color=COLOURS[5], linewidth=1)
+        axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
+    axis.set(xscale="log", xlabel="from the transform sent to the contact received [us]", ylabel="share of tips")
+    figure.tight_layout()
+    figure.savefig(file)
+
+
+# ---- all
+
+def fill(page, name, text):
+    pattern = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", re.DOTALL)
+    filled, count = pattern.subn(lambda match: match[1] + text + match[2], page)
+    if count != 1:
+        sys.exit(f"the page has {count} places for {name}, but 1 is wanted")
+    return filled
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    results = read(pathlib.Path(sys.argv[1]))
+    page = pathlib.Path(sys.argv[2])
+    text = page.read_text()
+    for part in (machine, targets, queries, errors, growths, updates, latency):
+        text = fill(text, part.__name__, part(results))
+    page.write_text(text)
+    (page.parent / "performance.json").write_text(json.dumps(results, sort_keys=True) + "\n")
+    plt.rcParams.update({"svg.hashsalt": "organ_collision", "svg.fonttype": "none"})
+    draw_growth(results["organs"], page.parent / "performance_growth.svg")
+    draw_updates(results["organs"], page.parent / "performance_updates.svg")
+    if results["node_latency"]:
+        draw_latency(results["node_latency"], page.parent / "performance_latency.svg")
+
+
+if __name__ == "__main__":
+    main()
