@@ -30,6 +30,15 @@ inline Eigen::Vector3d randomPoint(std::mt19937& generator, double reach) {
   return {x, y, coordinate(generator)};
 }
 
+/// Turned anyhow, and moved by at most `reach` [m] along each axis.
+inline Eigen::Isometry3d randomPose(std::mt19937& generator, double reach) {
+  const Eigen::Vector3d axis = randomPoint(generator, 1.0);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translate(randomPoint(generator, reach))
+      .rotate(Eigen::AngleAxisd(3.2 * axis.x(), axis.normalized()));
+  return pose;
+}
+
 /// The box [0, size]^3, wound outwards.
 inline TriangleMesh cube(double size = 1.0) {
   Points points;

@@ -1,29 +1,121 @@
 #include "organ_collision/core/contact.h"
 
+#include <algorithm>
+#include <limits>
+
+#include "organ_collision/core/nearest_pair.h"
+
 namespace organ_collision::core {
 namespace {
 
-Eigen::Vector3d moved(const Eigen::Vector3d& point, const Eigen::Isometry3d& pose) {
-  return pose * point;
+using Eigen::Vector3d;
+
+bool isPoint(const Triangle& core) { return core.a == core.b && core.b == core.c; }
+
+NearestTriangle nearestToCore(const CollisionMesh& organ, const Triangle& core,
+                              const Accuracy& accuracy) {
+  return isPoint(core) ? nearestTriangle(organ, core.a, accuracy)
+                       : nearestTriangle(organ, core, accuracy);
 }
 
-Triangle moved(const Triangle& triangle, const Eigen::Isometry3d& pose) {
-  return {pose * triangle.a, pose * triangle.b, pose * triangle.c};
+/// Whether an answer to the core is good enough for the shape: a relative error is allowed of what
+/// is left without the radius only.
+bool isGoodEnough(const NearestTriangle& nearest, double radius, const Accuracy& accuracy) {
+  if (nearest.isExact() || radius == 0.0 || accuracy.max_relative_error == 0.0) return true;
+  const bool spent = accuracy.max_leaves != 0 && nearest.work.triangles >= accuracy.max_leaves;
+  const double least = nearest.lower_bound - radius;
+  const double found = nearest.upper_bound - radius;
+  return spent || found <= 0.0 || found - least <= accuracy.max_absolute_error ||
+         found <= (1.0 + accuracy.max_relative_error) * least;
+}
+
+NearestTriangle nearestWithin(const CollisionMesh& organ, const RoundShape& shape,
+                              const Accuracy& accuracy) {
+  const NearestTriangle nearest = nearestToCore(organ, shape.core, accuracy);
+  if (isGoodEnough(nearest, shape.radius, accuracy)) return nearest;
+  const double allowed =
+      accuracy.max_relative_error * std::max(0.0, nearest.lower_bound - shape.radius);
+  return nearestToCore(organ, shape.core,
+                       {0.0, std::max(accuracy.max_absolute_error, allowed), accuracy.max_leaves});
+}
+
+/// The unit vector square to `axis` that is nearest to `direction`, which has length 1 or 0; any
+/// square one where the two are parallel, but for rounding.
+Vector3d squareTo(const Vector3d& axis, const Vector3d& direction) {
+  constexpr double kParallel = 0x1p-20;  // of 1: above it rounding does not decide what is left
+  const Vector3d along = axis.stableNormalized();
+  const Vector3d square = direction - along.dot(direction) * along;
+  if (square.norm() < kParallel) return along.unitOrthogonal();
+  return (square - along.dot(square) * along).normalized();
+}
+
+/// Unit, from the core into the organ, where its nearest point is.
+Vector3d directionInwards(const NearestTriangle& nearest, const RoundShape& shape) {
+  const Vector3d axis = shape.core.b - shape.core.a;
+  const Vector3d& offset = nearest.closest.offset;
+  if (offset.isZero(0.0)) {
+    if (!axis.isZero(0.0)) return squareTo(axis, -nearest.normal);
+    return nearest.normal.isZero(0.0) ? Vector3d(1, 0, 0) : Vector3d(-nearest.normal);
+  }
+  if (nearest.distance > 0.0) return offset.stableNormalized();
+  const Vector3d inwards = -offset.stableNormalized();
+  // From an end the way in may lead along the axis, and not to the surface of the capsule.
+  const bool is_at_start = nearest.tip_point == shape.core.a;
+  const bool leads_along_the_axis = inwards.dot(is_at_start ? axis : -axis) > 0.0;
+  return leads_along_the_axis ? squareTo(axis, inwards) : inwards;
+}
+
+/// The answer to a core as that of the shape around it.
+NearestTriangle inflated(NearestTriangle nearest, const RoundShape& shape) {
+  if (shape.radius == 0.0) return nearest;
+  nearest.tip_point += shape.radius * directionInwards(nearest, shape);
+  nearest.distance -= shape.radius;
+  nearest.lower_bound -= shape.radius;
+  nearest.upper_bound -= shape.radius;
+  return nearest;
+}
+
+NearestTriangle nearestToShape(const CollisionMesh& organ, const Shape& shape,
+                               const Accuracy& accuracy) {
+  if (const auto* mesh = std::get_if<RigidMesh>(&shape))
+    return nearestPair(*mesh->surface, mesh->pose, organ, accuracy).nearest;
+  const RoundShape round = *roundShape(shape);
+  return inflated(nearestWithin(organ, round, accuracy), round);
 }
 
 }  // namespace
 
-Tip transformed(const Tip& tip, const Eigen::Isometry3d& target_from_tip) {
-  return std::visit([&](const auto& shape) -> Tip { return moved(shape, target_from_tip); }, tip);
+Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy) {
+  requireUsable(shape);
+  const NearestTriangle nearest = nearestToShape(organ, shape, accuracy);
+  const bool colliding = nearest.distance <= 0.0;
+  const bool knows_side = nearest.distance_signed || !organ.health().isSolid();
+  return {nearest, colliding, colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
-Contact contact(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy) {
-  const NearestTriangle nearest =
-      std::visit([&](const auto& shape) { return nearestTriangle(organ, shape, accuracy); }, tip);
-  const bool colliding = nearest.distance <= 0.0;
-  // Off the surface for certain, an open organ is off; of a solid one the sign decides.
-  const bool clear = !organ.health().isSolid() && nearest.lower_bound > 0.0;
-  return {nearest, colliding, colliding || nearest.distance_signed || clear};
+Contact contact(const CollisionMesh& organ, const Shapes& shapes,
+                const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy) {
+  Contact whole = contact(organ, transformed(shapes.front(), organ_from_shapes), accuracy);
+  bool all_certain = whole.colliding_certain;
+  bool all_signed = whole.nearest.distance_signed;
+  double lower_bound = whole.nearest.lower_bound;
+  SearchWork work = whole.nearest.work;
+  for (std::size_t i = 1; i < shapes.size(); ++i) {
+    const Contact piece = contact(organ, transformed(shapes[i], organ_from_shapes), accuracy);
+    all_certain = all_certain && piece.colliding_certain;
+    all_signed = all_signed && piece.nearest.distance_signed;
+    lower_bound = std::min(lower_bound, piece.nearest.lower_bound);
+    work.bounds += piece.nearest.work.bounds;
+    work.triangles += piece.nearest.work.triangles;
+    if (piece.nearest.distance < whole.nearest.distance) whole = piece;
+  }
+  const bool perhaps_deeper = whole.colliding && whole.nearest.distance_signed && !all_signed;
+  whole.nearest.lower_bound =
+      perhaps_deeper ? -std::numeric_limits<double>::infinity() : lower_bound;
+  whole.nearest.distance_signed = whole.nearest.distance_signed && (all_signed || whole.colliding);
+  whole.nearest.work = work;
+  whole.colliding_certain = whole.colliding || all_certain;
+  return whole;
 }
 
 }  // namespace organ_collision::core

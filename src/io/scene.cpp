@@ -53,7 +53,7 @@ core::Triangle parseCorners(const Field& field) {
   return {parsePoint(corners[0]), parsePoint(corners[1]), parsePoint(corners[2])};
 }
 
-core::Tip parseShape(const Field& instrument) {
+core::Shape parseShape(const Field& instrument) {
   const auto corners = instrument.find("corners");
   const auto shape = instrument.find("shape");
   const std::string name = shape ? shape->text() : "point";

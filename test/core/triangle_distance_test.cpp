@@ -117,6 +117,15 @@ TEST(ClosestPoints, DistanceIsWithinFourRoundingErrorsOfTheExtent) {
   });
 }
 
+TEST(ClosestPoints, TakesATriangleWithTwoEqualCornersForTheSegmentThatItIs) {
+  forEachPair(29, kSamples, [](const Triangle& first, const Triangle& second) {
+    const Triangle segment{first.a, first.b, first.b};
+    EXPECT_LE(errorOf(segment, second), kPromise);
+    EXPECT_LE(errorOf(segment, {second.a, second.c, second.c}), kPromise);
+    EXPECT_LE(errorOf({first.a, first.a, first.a}, {second.a, second.c, second.c}), kPromise);
+  });
+}
+
 TEST(ClosestPoints, DistanceIsAsGoodAtTheExtremesOfScale) {
   for (const double scale : {0x1p-450, 0x1p-300, 0x1p-60, 0x1p+60, 0x1p+300, 0x1p+450}) {
     SCOPED_TRACE(scale);

@@ -1,27 +1,34 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <variant>
 
+#include "organ_collision/core/instrument.h"
 #include "organ_collision/core/nearest_triangle.h"
 
 namespace organ_collision::core {
 
-/// An instrument's tip: a point, or a triangle as in the paper [m].
-using Tip = std::variant<Eigen::Vector3d, Triangle>;
-
-/// The tip in another frame.
-Tip transformed(const Tip& tip, const Eigen::Isometry3d& target_from_tip);
-
-/// How a tip stands to an organ.
+/// How an instrument stands to an organ. For a sphere or capsule `nearest` is the centre's or the
+/// axis's with the radius subtracted from distance and bounds alike; `closest` is as seen from
+/// centre or axis. So an unsigned distance may be negative too, down to -radius: the surface of the
+/// organ is that deep in the shape. A capsule whose axis crosses the surface has the distance
+/// -radius, however far it crosses. tip_point is on the surface of the shape: the point nearest to
+/// the organ, or deepest in it, |distance| from the organ's point (of a capsule inside with an end
+/// towards the surface, beside that end).
 struct Contact {
   NearestTriangle nearest;
-  bool colliding;  ///< tip and organ (its solid, or its surface where it is open) have a point in
-                   ///< common
+  bool colliding;  ///< instrument and organ (its solid, or its surface where it is open) have a
+                   ///< point in common
   bool colliding_certain;  ///< false where the accuracy asked for does not decide it
 };
 
-/// `tip` is in the organ's frame. Throws as nearestTriangle() does.
-Contact contact(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy = {});
+/// `shape` is in the organ's frame; the promises of `accuracy` hold for the distance of the whole
+/// shape. Throws as nearestTriangle() and requireUsable() do.
+Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
+
+/// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.
+/// If one piece is inside the organ and the accuracy leaves open whether another is deeper,
+/// lower_bound is -infinity. REQUIRES: at least one piece.
+Contact contact(const CollisionMesh& organ, const Shapes& shapes,
+                const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
 }  // namespace organ_collision::core

@@ -33,7 +33,7 @@ struct Organ {
 struct Instrument {
   std::string name;
   std::string frame;  ///< tf frame of the tip
-  core::Tip shape;    ///< [m] in the tip's frame; a point is at its origin
+  core::Shape shape;  ///< [m] in the tip's frame; a point is at its origin
 };
 
 /// Indices into Scene::instruments and Scene::organs.

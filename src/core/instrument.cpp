@@ -1,0 +1,85 @@
+#include "organ_collision/core/instrument.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d moved(const Vector3d& point, const Eigen::Isometry3d& pose) { return pose * point; }
+
+Triangle moved(const Triangle& triangle, const Eigen::Isometry3d& pose) {
+  return {pose * triangle.a, pose * triangle.b, pose * triangle.c};
+}
+
+Sphere moved(const Sphere& sphere, const Eigen::Isometry3d& pose) {
+  return {pose * sphere.centre, sphere.radius};
+}
+
+Capsule moved(const Capsule& capsule, const Eigen::Isometry3d& pose) {
+  return {pose * capsule.start, pose * capsule.end, capsule.radius};
+}
+
+RigidMesh moved(const RigidMesh& mesh, const Eigen::Isometry3d& pose) {
+  return {mesh.surface, pose * mesh.pose};
+}
+
+Box boxAround(const RoundShape& shape) {
+  const Box core = boxOf(shape.core);
+  const Vector3d margin = Vector3d::Constant(shape.radius);
+  return {core.low - margin, core.high + margin};
+}
+
+Box boxAround(const RigidMesh& mesh) {
+  const Box& surface = mesh.surface->health().box;
+  Box box;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    box.add(mesh.pose * Vector3d((corner & 1U) != 0 ? surface.low.x() : surface.high.x(),
+                                 (corner & 2U) != 0 ? surface.low.y() : surface.high.y(),
+                                 (corner & 4U) != 0 ? surface.low.z() : surface.high.z()));
+  }
+  return box;
+}
+
+void requireUsableMesh(const RigidMesh& mesh) {
+  if (!mesh.surface) throw std::invalid_argument("a mesh shape has no surface");
+  if (!mesh.pose.matrix().allFinite())
+    throw std::invalid_argument("a mesh shape has a pose that is not finite");
+}
+
+}  // namespace
+
+Shape transformed(const Shape& shape, const Eigen::Isometry3d& target_from_shape) {
+  return std::visit([&](const auto& kind) -> Shape { return moved(kind, target_from_shape); },
+                    shape);
+}
+
+Box boxOf(const Shape& shape) {
+  if (const auto* mesh = std::get_if<RigidMesh>(&shape)) return boxAround(*mesh);
+  return boxAround(*roundShape(shape));
+}
+
+void requireUsable(const Shape& shape) {
+  if (const auto* mesh = std::get_if<RigidMesh>(&shape)) return requireUsableMesh(*mesh);
+  const auto [core, radius] = *roundShape(shape);
+  for (const Vector3d* corner : {&core.a, &core.b, &core.c}) requireUsable(*corner, "tip", 0);
+  if (radius >= 0.0 && radius < kLargestCoordinate) return;
+  throw std::invalid_argument("radius is " + std::to_string(radius) +
+                              ": it must be finite and >= 0");
+}
+
+std::optional<RoundShape> roundShape(const Shape& shape) {
+  if (const auto* point = std::get_if<Vector3d>(&shape))
+    return RoundShape{{*point, *point, *point}, 0.0};
+  if (const auto* triangle = std::get_if<Triangle>(&shape)) return RoundShape{*triangle, 0.0};
+  if (const auto* sphere = std::get_if<Sphere>(&shape))
+    return RoundShape{{sphere->centre, sphere->centre, sphere->centre}, sphere->radius};
+  if (const auto* capsule = std::get_if<Capsule>(&shape))
+    return RoundShape{{capsule->start, capsule->end, capsule->end}, capsule->radius};
+  return std::nullopt;
+}
+
+}  // namespace organ_collision::core

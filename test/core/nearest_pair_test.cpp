@@ -1,0 +1,173 @@
+#include "organ_collision/core/nearest_pair.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "organ_collision/core/contact.h"
+#include "organ_collision/core/sign.h"
+#include "organ_collision/core/triangle_distance.h"
+#include "organs_and_tips.h"
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::queryCount;
+
+Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
+
+TEST(NearestPair, OfTwoCubesIsBetweenTheFacesThatFaceEachOther) {
+  const CollisionMesh first(test::cube(0.5));
+  const CollisionMesh second(test::cube());
+  const NearestPair apart = nearestPair(first, at(0.25, 0.25, 1.75), second);
+  EXPECT_EQ(apart.nearest.distance, 0.75);
+  EXPECT_TRUE(apart.nearest.isExact());
+  EXPECT_TRUE(apart.nearest.distance_signed);
+  EXPECT_EQ(apart.nearest.tip_point.z(), 1.75);
+  EXPECT_EQ(nearestPair(first, at(0.25, 0.25, 1.0), second).nearest.distance, 0.0);
+  EXPECT_EQ(nearestPair(first, at(0.25, 0.25, 0.75), second).nearest.distance, 0.0);
+}
+
+TEST(NearestPair, IsNegativeWhereOneIsInsideTheOther) {
+  const CollisionMesh small(test::cube(0.25));
+  const CollisionMesh large(test::cube());
+  EXPECT_EQ(nearestPair(small, at(0.125, 0.375, 0.375), large).nearest.distance, -0.125);
+  EXPECT_EQ(nearestPair(large, at(-0.125, -0.375, -0.375), small).nearest.distance, -0.125);
+}
+
+TEST(NearestPair, OfOpenSurfacesHasNoSign) {
+  const CollisionMesh grid(test::grid(2, 2));
+  const NearestPair pair = nearestPair(grid, at(0, 0, 0.5), grid);
+  EXPECT_EQ(pair.nearest.distance, 0.5);
+  EXPECT_FALSE(pair.nearest.distance_signed);
+}
+
+// Against brute force.
+
+const std::vector<CollisionMesh>& surfaces() {
+  static const std::vector<CollisionMesh> all = {
+      CollisionMesh(test::cube()), CollisionMesh(test::grid(3, 3)), CollisionMesh(test::blob(2)),
+      CollisionMesh(test::soup(30, 5))};
+  return all;
+}
+
+double sizeOf(const CollisionMesh& surface) {
+  return (surface.health().box.high - surface.health().box.low).maxCoeff();
+}
+
+/// From touching to far, some inside.
+Isometry3d randomPlacement(std::mt19937& generator, const CollisionMesh& first,
+                           const CollisionMesh& second) {
+  const double reach =
+      std::ldexp(sizeOf(first) + sizeOf(second), 2 - static_cast<int>(generator() % 8));
+  const Box& box = second.health().box;
+  return Eigen::Translation3d(0.5 * (box.low + box.high)) * test::randomPose(generator, reach);
+}
+
+bool holds(const CollisionMesh& solid, const Vector3d& point) {
+  return solid.health().isSolid() && windingNumber(solid, point) != 0;
+}
+
+double truth(const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < first.mesh().triangleCount(); ++i) {
+    const auto [a, b, c] = first.mesh().triangle(TriangleId(i));
+    const Triangle moved = {pose * a, pose * b, pose * c};
+    for (std::size_t k = 0; k < second.mesh().triangleCount(); ++k) {
+      const ClosestPair pair = closestPoints(moved, second.mesh().triangle(TriangleId(k)));
+      least = std::min(least, pair.on_second.squared_distance);
+    }
+  }
+  const bool inside =
+      least > 0.0 && (holds(second, pose * first.mesh().triangle(TriangleId{0}).a) ||
+                      holds(first, pose.inverse() * second.mesh().triangle(TriangleId{0}).a));
+  return inside ? -std::sqrt(least) : std::sqrt(least);
+}
+
+/// Calls `check(first, pose, second, truth)` for random placements of all surfaces.
+template <class Check>
+void forEachPlacement(unsigned seed, std::size_t count, const Check& check) {
+  std::mt19937 generator(seed);
+  for (const CollisionMesh& first : surfaces()) {
+    for (const CollisionMesh& second : surfaces()) {
+      for (std::size_t i = 0; i < count && !testing::Test::HasFailure(); ++i) {
+        const Isometry3d pose = randomPlacement(generator, first, second);
+        check(first, pose, second, truth(first, pose, second));
+      }
+    }
+  }
+}
+
+TEST(NearestPair, EqualsBruteForceBitForBit) {
+  std::size_t meeting = 0;
+  std::size_t inside = 0;
+  forEachPlacement(75, queryCount(12),
+                   [&](const CollisionMesh& first, const Isometry3d& pose,
+                       const CollisionMesh& second, double expected) {
+                     const NearestTriangle nearest = nearestPair(first, pose, second).nearest;
+                     ASSERT_EQ(nearest.distance, expected);
+                     ASSERT_TRUE(nearest.isExact());
+                     meeting += expected == 0.0 ? 1 : 0;
+                     inside += expected < 0.0 ? 1 : 0;
+                   });
+  EXPECT_GT(meeting, 0U);
+  EXPECT_GT(inside, 0U);
+}
+
+TEST(NearestPair, BoundsHoldTheTruthAtEverySetting) {
+  const std::vector<Accuracy> settings = {{0, 0, 1}, {0.1, 0, 0}, {0, 1e-2, 0}, {0.05, 1e-3, 16}};
+  forEachPlacement(76, queryCount(5),
+                   [&](const CollisionMesh& first, const Isometry3d& pose,
+                       const CollisionMesh& second, double exact) {
+                     for (const Accuracy& accuracy : settings) {
+                       const NearestTriangle nearest =
+                           nearestPair(first, pose, second, accuracy).nearest;
+                       const double expected = nearest.distance_signed ? exact : std::abs(exact);
+                       const double slack = test::rounding(second, pose.translation()) +
+                                            test::rounding(first, {0, 0, 0});
+                       ASSERT_LE(nearest.lower_bound, expected + slack);
+                       ASSERT_GE(nearest.upper_bound, expected - slack);
+                       if (accuracy.max_leaves != 0) continue;
+                       ASSERT_LE(std::abs(nearest.distance),
+                                 std::max((1 + accuracy.max_relative_error) * std::abs(exact),
+                                          std::abs(exact) + accuracy.max_absolute_error) +
+                                     slack);
+                     }
+                   });
+}
+
+TEST(NearestPair, SwappedHasTheSameDistance) {
+  forEachPlacement(77, queryCount(5),
+                   [&](const CollisionMesh& first, const Isometry3d& pose,
+                       const CollisionMesh& second, double exact) {
+                     constexpr double kRoundings = 16;  // of the coordinates in two frames
+                     const double slack =
+                         kRoundings * (test::rounding(second, pose.translation()) +
+                                       test::rounding(first, pose.inverse().translation()));
+                     const NearestPair swapped = nearestPair(second, pose.inverse(), first);
+                     ASSERT_NEAR(swapped.nearest.distance, exact, slack);
+                   });
+}
+
+TEST(Contact, OfAMeshCollidesWhereSolidsMeet) {
+  const auto jaw = std::make_shared<const CollisionMesh>(test::cube(0.25));
+  const CollisionMesh organ(test::cube());
+  const auto touches = [&](const Isometry3d& pose) {
+    const Contact found = contact(organ, RigidMesh{jaw, pose});
+    EXPECT_TRUE(found.colliding_certain);
+    return found.colliding;
+  };
+  EXPECT_FALSE(touches(at(0.5, 0.5, 1.125)));
+  EXPECT_TRUE(touches(at(0.5, 0.5, 1.0)));
+  EXPECT_TRUE(touches(at(0.5, 0.5, 0.875)));
+  EXPECT_TRUE(touches(at(0.5, 0.5, 0.5)));
+}
+
+}  // namespace
+}  // namespace organ_collision::core
