@@ -50,25 +50,28 @@ Vector3d squareTo(const Vector3d& axis, const Vector3d& direction) {
 }
 
 /// Unit, from the core into the organ, where its nearest point is.
-Vector3d directionInwards(const NearestTriangle& nearest, const RoundShape& shape) {
-  const Vector3d axis = shape.core.b - shape.core.a;
+Vector3d directionInwards(const NearestTriangle& nearest) {
   const Vector3d& offset = nearest.closest.offset;
-  if (offset.isZero(0.0)) {
-    if (!axis.isZero(0.0)) return squareTo(axis, -nearest.normal);
-    return nearest.normal.isZero(0.0) ? Vector3d(1, 0, 0) : Vector3d(-nearest.normal);
-  }
-  if (nearest.distance > 0.0) return offset.stableNormalized();
-  const Vector3d inwards = -offset.stableNormalized();
-  // From an end the way in may lead along the axis, and not to the surface of the capsule.
-  const bool is_at_start = nearest.tip_point == shape.core.a;
-  const bool leads_along_the_axis = inwards.dot(is_at_start ? axis : -axis) > 0.0;
-  return leads_along_the_axis ? squareTo(axis, inwards) : inwards;
+  if (!offset.isZero(0.0))
+    return nearest.distance > 0.0 ? offset.stableNormalized() : -offset.stableNormalized();
+  return nearest.normal.isZero(0.0) ? Vector3d(1, 0, 0) : Vector3d(-nearest.normal);
+}
+
+/// The direction in which the surface of the shape is just one radius from `point` of its core, and
+/// nearest to `direction`: on a segment square to it, at an end anywhere but back along it.
+Vector3d towardsSurface(const Vector3d& direction, const Vector3d& point, const Triangle& core) {
+  const Vector3d axis = core.b - core.a;
+  const double along = direction.dot(axis);
+  if (axis.isZero(0.0) || (point == core.a && along <= 0.0) || (point == core.b && along >= 0.0))
+    return direction;
+  return squareTo(axis, direction);
 }
 
 /// The answer to a core as that of the shape around it.
 NearestTriangle inflated(NearestTriangle nearest, const RoundShape& shape) {
   if (shape.radius == 0.0) return nearest;
-  nearest.tip_point += shape.radius * directionInwards(nearest, shape);
+  nearest.tip_point +=
+      shape.radius * towardsSurface(directionInwards(nearest), nearest.tip_point, shape.core);
   nearest.distance -= shape.radius;
   nearest.lower_bound -= shape.radius;
   nearest.upper_bound -= shape.radius;

@@ -24,7 +24,7 @@ Capsule moved(const Capsule& capsule, const Eigen::Isometry3d& pose) {
 }
 
 RigidMesh moved(const RigidMesh& mesh, const Eigen::Isometry3d& pose) {
-  return {mesh.surface, pose * mesh.pose};
+  return {mesh.surface, pose * mesh.pose, mesh.convex};
 }
 
 Box boxAround(const RoundShape& shape) {

@@ -81,6 +81,8 @@ std::string Field::frame() const {
   return frame;
 }
 
+bool Field::yesOrNo() const { return as<bool>("true or false"); }
+
 std::uint32_t Field::count() const {
   const char* const wanted = "an integer, 0 or above";
   const int count = as<int>(wanted);

@@ -26,6 +26,7 @@ class Field {
 
   std::string text() const;   ///< not empty
   std::string frame() const;  ///< a text that tf takes for a frame
+  bool yesOrNo() const;
   std::uint32_t count() const;
   double finite() const;
   double aboveZero() const;    ///< finite

@@ -1,5 +1,6 @@
 #include "organ_collision/io/robot_geometry.h"
 
+#include <tinyxml.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -7,6 +8,8 @@
 #include <memory>
 #include <sstream>
 #include <stdexcept>
+
+#include "primitive_mesh.h"
 
 namespace organ_collision::io {
 namespace {
@@ -37,13 +40,16 @@ const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string
   refuse(name, "there is none of this name; there are: " + known);
 }
 
+const urdf::Link& linkWithCollision(const urdf::ModelInterface& robot, const std::string& name) {
+  const urdf::Link& link = linkNamed(robot, name);
+  if (link.collision_array.empty()) refuse(name, "it has no <collision> that can be read");
+  return link;
+}
+
 const urdf::Collision& onlyCollision(const urdf::Link& link) {
-  if (link.collision_array.empty()) refuse(link.name, "it has no <collision> that can be read");
-  if (link.collision_array.size() > 1) {
-    refuse(link.name, "it has " + std::to_string(link.collision_array.size()) +
-                          " <collision>: more than one is not supported by this version");
-  }
-  return *link.collision_array.front();
+  if (link.collision_array.size() == 1) return *link.collision_array.front();
+  refuse(link.name, "it has " + std::to_string(link.collision_array.size()) +
+                        " <collision>, but an organ is one mesh");
 }
 
 const urdf::Mesh& mesh(const std::string& link, const urdf::Collision& collision) {
@@ -51,7 +57,7 @@ const urdf::Mesh& mesh(const std::string& link, const urdf::Collision& collision
   if (const auto* const mesh = dynamic_cast<const urdf::Mesh*>(collision.geometry.get()))
     return *mesh;
   refuse(link, std::string("its <collision> is ") + name(*collision.geometry) +
-                   ", which is not supported by this version; supported: a mesh");
+                   ", but an organ is a mesh");
 }
 
 Eigen::Vector3d scale(const std::string& link, const urdf::Mesh& mesh) {
@@ -69,16 +75,85 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
   return Eigen::Translation3d(translation) * Eigen::Quaterniond(w, x, y, z);
 }
 
-}  // namespace
-
-LinkMesh linkMesh(const std::string& robot_description, const std::string& link) {
-  const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
-  if (!robot) refuse(link, "the description cannot be read as URDF");
-  const urdf::Collision& collision = onlyCollision(linkNamed(*robot, link));
-  const urdf::Mesh& file = mesh(link, collision);
+Eigen::Isometry3d origin(const std::string& link, const urdf::Collision& collision) {
   const Eigen::Isometry3d origin = isometry(collision.origin);
   if (!origin.matrix().allFinite()) refuse(link, "the origin of its <collision> is not finite");
-  return {file.filename, scale(link, file), origin};
+  return origin;
+}
+
+/// Returns the size [m] if it can be one.
+double size(const std::string& link, const char* what, double size) {
+  if (std::isfinite(size) && size > 0.0) return size;
+  std::ostringstream message;
+  message << "its " << what << " is " << size << ", but it must be finite and above 0";
+  refuse(link, message.str());
+}
+
+core::Shape convex(const core::TriangleMesh& mesh, const Eigen::Isometry3d& pose) {
+  return core::RigidMesh{std::make_shared<const core::CollisionMesh>(mesh), pose, true};
+}
+
+LinkPiece piece(const std::string& link, const urdf::Collision& collision) {
+  const Eigen::Isometry3d pose = origin(link, collision);
+  const urdf::Geometry* const geometry = collision.geometry.get();
+  if (const auto* const sphere = dynamic_cast<const urdf::Sphere*>(geometry)) {
+    return core::Sphere{pose.translation(), size(link, "sphere's radius", sphere->radius)};
+  }
+  if (const auto* const box = dynamic_cast<const urdf::Box*>(geometry)) {
+    const auto& [x, y, z] = box->dim;
+    return convex(
+        boxMesh({size(link, "box's x", x), size(link, "box's y", y), size(link, "box's z", z)}),
+        pose);
+  }
+  if (const auto* const cylinder = dynamic_cast<const urdf::Cylinder*>(geometry)) {
+    return convex(prismMesh(size(link, "cylinder's radius", cylinder->radius),
+                            size(link, "cylinder's length", cylinder->length), kCylinderSides),
+                  pose);
+  }
+  const urdf::Mesh& file = mesh(link, collision);
+  return LinkMesh{file.filename, scale(link, file), pose};
+}
+
+/// How many <collision> the text has: urdfdom leaves out those after one that it cannot read.
+std::size_t collisionCount(const std::string& robot_description, const std::string& link) {
+  TiXmlDocument document;
+  document.Parse(robot_description.c_str());
+  std::size_t count = 0;
+  const TiXmlElement* each = document.RootElement()->FirstChildElement("link");
+  for (; each != nullptr; each = each->NextSiblingElement("link")) {
+    if (each->Attribute("name") != link) continue;
+    const TiXmlElement* collision = each->FirstChildElement("collision");
+    for (; collision != nullptr; collision = collision->NextSiblingElement("collision")) ++count;
+  }
+  return count;
+}
+
+urdf::ModelInterfaceSharedPtr parse(const std::string& robot_description, const std::string& link) {
+  urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
+  if (!robot) refuse(link, "the description cannot be read as URDF");
+  return robot;
+}
+
+}  // namespace
+
+std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link) {
+  const urdf::ModelInterfaceSharedPtr robot = parse(robot_description, link);
+  std::vector<LinkPiece> pieces;
+  for (const urdf::CollisionSharedPtr& collision : linkWithCollision(*robot, link).collision_array)
+    pieces.push_back(piece(link, *collision));
+  const std::size_t wanted = collisionCount(robot_description, link);
+  if (pieces.size() != wanted) {
+    refuse(link, "only " + std::to_string(pieces.size()) + " of its " + std::to_string(wanted) +
+                     " <collision> can be read");
+  }
+  return pieces;
+}
+
+LinkMesh linkMesh(const std::string& robot_description, const std::string& link) {
+  const urdf::ModelInterfaceSharedPtr robot = parse(robot_description, link);
+  const urdf::Collision& collision = onlyCollision(linkWithCollision(*robot, link));
+  const urdf::Mesh& file = mesh(link, collision);
+  return {file.filename, scale(link, file), origin(link, collision)};
 }
 
 }  // namespace organ_collision::io

@@ -10,8 +10,6 @@
 namespace organ_collision::io {
 namespace {
 
-constexpr const char* kNotSupported = " is not supported by this version";
-
 /// Leaves `target` as it is, the default, if the map has no such key.
 template <typename Target, typename Parse>
 void readIfGiven(const Field& map, const char* key, Target& target, const Parse& parse) {
@@ -26,7 +24,7 @@ MeshFile parseMeshFile(const Field& organ) {
 
 Organ parseOrgan(const Field& field) {
   if (const auto shape = field.find("shape")) {
-    shape->refuse(std::string("an organ's shape") + kNotSupported);
+    shape->refuse("an organ is a mesh: its vertices and triangles are what answers name");
   }
   field.allowOnly({"name", "frame", "mesh", "link", "scale"});
   Organ organ{field.at("name").text(), field.at("frame").frame(), {}};
@@ -53,22 +51,86 @@ core::Triangle parseCorners(const Field& field) {
   return {parsePoint(corners[0]), parsePoint(corners[1]), parsePoint(corners[2])};
 }
 
-core::Shape parseShape(const Field& instrument) {
-  const auto corners = instrument.find("corners");
+core::Shape parsePointShape(const Field& /*instrument*/) { return Eigen::Vector3d(0.0, 0.0, 0.0); }
+
+core::Shape parseTriangle(const Field& instrument) {
+  return parseCorners(instrument.at("corners"));
+}
+
+core::Shape parseSphere(const Field& instrument) {
+  return core::Sphere{{0.0, 0.0, 0.0}, instrument.at("radius").aboveZero()};
+}
+
+core::Shape parseCapsule(const Field& instrument) {
+  const std::vector<Field> ends = instrument.at("ends").items(2);
+  return core::Capsule{parsePoint(ends[0]), parsePoint(ends[1]),
+                       instrument.at("radius").aboveZero()};
+}
+
+using Geometry = decltype(Instrument::geometry);
+
+/// A kind of geometry, and the keys that it has and others may not.
+struct Kind {
+  const char* name;
+  std::vector<std::string_view> keys;
+  Geometry (*parse)(const Field& instrument);
+};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> kKinds = {
+      {"point", {}, [](const Field& field) -> Geometry { return parsePointShape(field); }},
+      {"triangle",
+       {"corners"},
+       [](const Field& field) -> Geometry { return parseTriangle(field); }},
+      {"sphere", {"radius"}, [](const Field& field) -> Geometry { return parseSphere(field); }},
+      {"capsule",
+       {"ends", "radius"},
+       [](const Field& field) -> Geometry { return parseCapsule(field); }},
+      {"mesh",
+       {"mesh", "scale", "convex"},
+       [](const Field& field) -> Geometry { return parseMeshFile(field); }},
+      {"link", {"link", "convex"}, [](const Field& field) -> Geometry {
+         return RobotLink{field.at("link").text()};
+       }}};
+  return kKinds;
+}
+
+bool has(const Kind& kind, std::string_view key) {
+  return std::find(kind.keys.begin(), kind.keys.end(), key) != kind.keys.end();
+}
+
+const Kind& kindOf(const Field& instrument) {
   const auto shape = instrument.find("shape");
-  const std::string name = shape ? shape->text() : "point";
-  if (name == "triangle") return parseCorners(instrument.at("corners"));
-  for (const char* const later : {"sphere", "capsule", "mesh"}) {
-    if (name == later) shape->refuse(name + kNotSupported + "; supported: point, triangle");
+  const auto link = instrument.find("link");
+  if (shape && link) shape->refuse("either shape or link is wanted, not both");
+  const std::string name = link ? "link" : shape ? shape->text() : "point";
+  std::vector<std::string_view> known;
+  for (const Kind& kind : kinds()) {
+    if (kind.name == name && (link || name != "link")) return kind;
+    if (std::string_view(kind.name) != "link") known.emplace_back(kind.name);
   }
-  if (name != "point") shape->refuse("'" + name + "', but it must be point or triangle");
-  if (corners) corners->refuse("only a shape: triangle has corners");
-  return Eigen::Vector3d(0.0, 0.0, 0.0);
+  shape->refuse("'" + name + "', but it must be one of " + joined(known));
+}
+
+void refuseKeysOfOthers(const Field& instrument, const Kind& kind) {
+  for (const Kind& other : kinds()) {
+    for (const std::string_view key : other.keys) {
+      const auto field = instrument.find(std::string(key));
+      if (field && !has(kind, key)) {
+        field->refuse(std::string("a ") + kind.name + " has none; a " + other.name + " has");
+      }
+    }
+  }
 }
 
 Instrument parseInstrument(const Field& field) {
-  field.allowOnly({"name", "frame", "shape", "corners"});
-  return {field.at("name").text(), field.at("frame").frame(), parseShape(field)};
+  field.allowOnly(
+      {"name", "frame", "shape", "corners", "ends", "radius", "mesh", "scale", "link", "convex"});
+  const Kind& kind = kindOf(field);
+  refuseKeysOfOthers(field, kind);
+  Instrument instrument{field.at("name").text(), field.at("frame").frame(), kind.parse(field)};
+  readIfGiven(field, "convex", instrument.convex, &Field::yesOrNo);
+  return instrument;
 }
 
 /// Names are shared by instruments and organs, because pairs name both.
@@ -77,6 +139,9 @@ class NameTable {
   struct Entry {
     bool is_organ;
     std::size_t index;
+    bool operator==(const Entry& other) const {
+      return is_organ == other.is_organ && index == other.index;
+    }
   };
 
   void add(const Field& item, const std::string& name, Entry entry) {
@@ -113,29 +178,38 @@ std::vector<Instrument> parseInstruments(const Field& field, NameTable& names) {
   return instruments;
 }
 
-Pair parsePair(const Field& field, const NameTable& names) {
+/// The two that a pair names, once and in any order.
+using NamedPair = std::pair<NameTable::Entry, NameTable::Entry>;
+
+NamedPair parsePair(const Field& field, const NameTable& names) {
   const std::vector<Field> both = field.items(2);
-  const NameTable::Entry first = names.find(both[0]);
-  const NameTable::Entry second = names.find(both[1]);
-  if (first.is_organ != second.is_organ) {
-    return first.is_organ ? Pair{second.index, first.index} : Pair{first.index, second.index};
-  }
-  if (first.index == second.index) field.refuse("it names '" + both[0].text() + "' twice");
-  field.refuse(std::string(first.is_organ ? "a pair of organs" : "a pair of instruments") +
-               kNotSupported);
+  const NamedPair pair = {names.find(both[0]), names.find(both[1])};
+  if (pair.first == pair.second) field.refuse("it names '" + both[0].text() + "' twice");
+  return pair;
 }
 
-std::vector<Pair> parsePairs(const Field& field, const NameTable& names) {
-  std::vector<Pair> pairs;
-  for (const Field& item : field.items()) {
-    const Pair pair = parsePair(item, names);
-    const auto is_same = [&](const Pair& other) {
-      return other.instrument == pair.instrument && other.organ == pair.organ;
-    };
-    if (std::any_of(pairs.begin(), pairs.end(), is_same)) item.refuse("the pair is listed before");
-    pairs.push_back(pair);
+void addPair(const NamedPair& pair, Scene& scene) {
+  const auto& [first, second] = pair;
+  if (first.is_organ == second.is_organ) {
+    const auto of = first.is_organ ? LikePair::Of::kOrgans : LikePair::Of::kInstruments;
+    scene.like_pairs.push_back({of, first.index, second.index});
+  } else {
+    const auto& [instrument, organ] = first.is_organ ? NamedPair{second, first} : pair;
+    scene.pairs.push_back({instrument.index, organ.index});
   }
-  return pairs;
+}
+
+void parsePairs(const Field& field, const NameTable& names, Scene& scene) {
+  std::vector<NamedPair> known;
+  for (const Field& item : field.items()) {
+    const NamedPair pair = parsePair(item, names);
+    const auto is_same = [&](const NamedPair& other) {
+      return other == pair || other == NamedPair{pair.second, pair.first};
+    };
+    if (std::any_of(known.begin(), known.end(), is_same)) item.refuse("the pair is listed before");
+    known.push_back(pair);
+    addPair(pair, scene);
+  }
 }
 
 std::vector<Pair> allPairs(const Scene& scene) {
@@ -166,9 +240,11 @@ Scene parseScene(const Value& value) {
   scene.organs = parseOrgans(field.at("organs"), names);
   readIfGiven(field, "instruments", scene.instruments,
               [&](const Field& given) { return parseInstruments(given, names); });
-  scene.pairs = allPairs(scene);
-  readIfGiven(field, "pairs", scene.pairs,
-              [&](const Field& given) { return parsePairs(given, names); });
+  if (const auto pairs = field.find("pairs")) {
+    parsePairs(*pairs, names, scene);
+  } else {
+    scene.pairs = allPairs(scene);
+  }
   scene.frame = scene.organs.front().frame;
   readIfGiven(field, "frame", scene.frame, &Field::frame);
   readIfGiven(field, "max_distance", scene.max_distance, &Field::aboveZero);

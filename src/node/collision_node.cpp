@@ -56,9 +56,10 @@ void requireFrame(const std::string& frame, const Organ& organ) {
 CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle private_node)
     : scene_(readScene(private_node)),
       organs_(loadOrgans(scene_, node)),
+      instruments_(loadInstruments(scene_, node)),
       tf_node_(onQueue(node, tf_queue_)),
       listener_(buffer_, tf_node_, false, ros::TransportHints().tcpNoDelay()),
-      cycle_(scene_, organs_, buffer_),
+      cycle_(scene_, instruments_, organs_, buffer_),
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
       diagnostics_(node, private_node, ros::this_node::getName()),

@@ -65,6 +65,7 @@ class CollisionNode {
 
   const io::Scene scene_;
   const Organs organs_;
+  const Instruments instruments_;
 
   ros::CallbackQueue tf_queue_;  // worked off by run() alone
   ros::NodeHandle tf_node_;

@@ -5,12 +5,12 @@
 #include <tf2/buffer_core.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "node/frame_lookup.h"
+#include "node/instrument.h"
 #include "node/organ.h"
+#include "node/pair_pose.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/io/scene.h"
 
@@ -22,8 +22,9 @@ using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
 /// master.
 class ContactCycle {
  public:
-  /// All three must outlive this. REQUIRES: `organs` are the scene's, in its order.
-  ContactCycle(const io::Scene& scene, const Organs& organs, const tf2::BufferCore& buffer);
+  /// All four must outlive this. REQUIRES: instruments and organs are the scene's, in its order.
+  ContactCycle(const io::Scene& scene, const Instruments& instruments, const Organs& organs,
+               const tf2::BufferCore& buffer);
 
   /// Asks tf where the tips are; true if a tip or an organ has moved since the last time.
   bool lookUpTips();
@@ -39,17 +40,15 @@ class ContactCycle {
 
  private:
   struct Tracked {
-    std::optional<FramePose> organ_from_tip;  // the last that tf knew
-    std::optional<FramePose> scene_from_organ;
-    std::string reason;         // why tf does not know them now
+    PairPose pose;              // of the tip, the first, to the organ
     std::uint32_t version = 0;  // of the organ when last looked
   };
 
-  bool isStale(const Tracked& tracked, const ros::Time& now) const;
-  Contact contactOf(const io::Pair& pair, const Tracked& tracked, const ros::Time& now,
+  Contact contactOf(const io::Pair& pair, const PairPose& pose, const ros::Time& now,
                     const core::Accuracy& accuracy) const;
 
   const io::Scene& scene_;
+  const Instruments& instruments_;
   const Organs& organs_;
   const tf2::BufferCore& buffer_;
   std::vector<Tracked> tracked_;  // of the scene's pairs, in order

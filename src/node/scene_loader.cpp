@@ -3,7 +3,9 @@
 #include <ros/console.h>
 #include <ros/package.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "node/conversions.h"
 #include "organ_collision/io/mesh_io.h"
@@ -32,13 +34,16 @@ core::TriangleMesh load(const std::string& url, double scale, const io::Scene& s
   return io::loadMesh(file, scale);
 }
 
+core::TriangleMesh load(const io::LinkMesh& mesh, const io::Scene& scene) {
+  return io::transformed(load(mesh.url, 1.0, scene), mesh.scale, mesh.link_from_mesh);
+}
+
 core::TriangleMesh meshOf(const io::Organ& organ, const io::Scene& scene,
                           const ros::NodeHandle& node) {
   if (const auto* file = std::get_if<io::MeshFile>(&organ.geometry))
     return load(file->url, file->scale, scene);
-  const io::LinkMesh link =
-      io::linkMesh(robotDescription(node), std::get<io::RobotLink>(organ.geometry).name);
-  return io::transformed(load(link.url, 1.0, scene), link.scale, link.link_from_mesh);
+  return load(io::linkMesh(robotDescription(node), std::get<io::RobotLink>(organ.geometry).name),
+              scene);
 }
 
 std::unique_ptr<Organ> loadOrgan(const io::Organ& description, const io::Scene& scene,
@@ -55,6 +60,48 @@ std::unique_ptr<Organ> loadOrgan(const io::Organ& description, const io::Scene& 
     ROS_WARN("%s: %s", description.name.c_str(), sentence.c_str());
   }
   return organ;
+}
+
+core::Shape meshShape(core::TriangleMesh mesh, bool convex) {
+  return core::RigidMesh{std::make_shared<const core::CollisionMesh>(std::move(mesh)),
+                         Eigen::Isometry3d::Identity(), convex};
+}
+
+core::Shapes shapesOfLink(const io::Instrument& instrument, const std::string& link,
+                          const io::Scene& scene, const ros::NodeHandle& node) {
+  core::Shapes shapes;
+  for (const io::LinkPiece& piece : io::linkPieces(robotDescription(node), link)) {
+    const auto* mesh = std::get_if<io::LinkMesh>(&piece);
+    shapes.push_back(mesh != nullptr ? meshShape(load(*mesh, scene), instrument.convex)
+                                     : std::get<core::Shape>(piece));
+  }
+  return shapes;
+}
+
+core::Shapes shapesOf(const io::Instrument& instrument, const io::Scene& scene,
+                      const ros::NodeHandle& node) {
+  if (const auto* shape = std::get_if<core::Shape>(&instrument.geometry)) return {*shape};
+  if (const auto* file = std::get_if<io::MeshFile>(&instrument.geometry))
+    return {meshShape(load(file->url, file->scale, scene), instrument.convex)};
+  return shapesOfLink(instrument, std::get<io::RobotLink>(instrument.geometry).name, scene, node);
+}
+
+bool isInAPair(const io::Scene& scene, std::size_t instrument) {
+  const auto names_it = [&](const io::Pair& pair) { return pair.instrument == instrument; };
+  const auto likens_it = [&](const io::LikePair& pair) {
+    return pair.of == io::LikePair::Of::kInstruments &&
+           (pair.first == instrument || pair.second == instrument);
+  };
+  return std::any_of(scene.pairs.begin(), scene.pairs.end(), names_it) ||
+         std::any_of(scene.like_pairs.begin(), scene.like_pairs.end(), likens_it);
+}
+
+/// "scene.organs[1].link (liver)": what an error at start is about.
+template <class Thing>
+std::string pathOf(const char* list, std::size_t i, const Thing& thing) {
+  const bool is_link = std::holds_alternative<io::RobotLink>(thing.geometry);
+  return std::string("scene.") + list + "[" + std::to_string(i) + "]." +
+         (is_link ? "link" : "mesh") + " (" + thing.name + ")";
 }
 
 }  // namespace
@@ -74,10 +121,25 @@ Organs loadOrgans(const io::Scene& scene, const ros::NodeHandle& node) {
     try {
       organs.push_back(loadOrgan(organ, scene, node));
     } catch (const std::exception& error) {
-      throw std::runtime_error("organ " + organ.name + ": " + error.what());
+      throw std::runtime_error(pathOf("organs", organs.size(), organ) + ": " + error.what());
     }
   }
   return organs;
+}
+
+Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node) {
+  Instruments instruments;
+  for (const io::Instrument& instrument : scene.instruments) {
+    const std::size_t i = instruments.size();
+    instruments.push_back({instrument.name, instrument.frame, {}});
+    if (!isInAPair(scene, i)) continue;
+    try {
+      instruments.back().shapes = shapesOf(instrument, scene, node);
+    } catch (const std::exception& error) {
+      throw std::runtime_error(pathOf("instruments", i, instrument) + ": " + error.what());
+    }
+  }
+  return instruments;
 }
 
 }  // namespace organ_collision::node

@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 
 #include "node/contact_cycle.h"
+#include "node/instrument.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
@@ -13,7 +14,10 @@ io::Scene readScene(const ros::NodeHandle& private_node);
 
 /// Loads every organ of the scene and builds its hierarchy, telling the log how far it is and what
 /// is odd about a mesh. Links are looked up in the parameter `robot_description`. Throws
-/// std::exception naming organ and resolved path.
+/// std::exception naming the key's path and the resolved one.
 Organs loadOrgans(const io::Scene& scene, const ros::NodeHandle& node);
+
+/// The same for the instruments that a pair names.
+Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node);
 
 }  // namespace organ_collision::node

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "temporary_folder.h"
 
@@ -73,14 +74,14 @@ TEST(RobotGeometry, NamesTheLinksThatThereAre) {
 TEST(RobotGeometry, RefusesALinkWithoutOrWithSeveralCollisions) {
   EXPECT_EQ(refusal(robot("")),
             "link 'abdomen' of the robot description: it has no <collision> that can be read");
-  EXPECT_EQ(refusal(robot(collision(kMesh) + collision(kMesh))),
-            "link 'abdomen' of the robot description: it has 2 <collision>: more than one is not "
-            "supported by this version");
+  EXPECT_EQ(
+      refusal(robot(collision(kMesh) + collision(kMesh))),
+      "link 'abdomen' of the robot description: it has 2 <collision>, but an organ is one mesh");
 }
 
 TEST(RobotGeometry, RefusesShapesThatAreNoMesh) {
   EXPECT_THAT(refusal(robot(collision(R"(<box size="1 1 1"/>)"))),
-              HasSubstr("is a box, which is not supported by this version; supported: a mesh"));
+              HasSubstr("is a box, but an organ is a mesh"));
   EXPECT_THAT(refusal(robot(collision(R"(<sphere radius="1"/>)"))), HasSubstr("is a sphere"));
   EXPECT_THAT(refusal(robot(collision(R"(<cylinder radius="1" length="1"/>)"))),
               HasSubstr("is a cylinder"));
@@ -96,6 +97,83 @@ TEST(RobotGeometry, RefusesAScaleThatIsZeroOrNoNumber) {
     EXPECT_THAT(refusal(scaled(scale)), HasSubstr("it has no <collision> that can be read"))
         << scale;
   }
+}
+
+// Of instruments.
+
+std::vector<LinkPiece> piecesOf(const std::string& collisions) {
+  return linkPieces(robot(collisions), "abdomen");
+}
+
+const core::RigidMesh& rigidMesh(const LinkPiece& piece) {
+  return std::get<core::RigidMesh>(std::get<core::Shape>(piece));
+}
+
+double volumeOf(const core::TriangleMesh& mesh) {
+  double volume = 0.0;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const auto [a, b, c] = mesh.triangle(core::TriangleId(i));
+    volume += a.dot(b.cross(c)) / 6.0;
+  }
+  return volume;
+}
+
+TEST(LinkPieces, AreAllCollisionsInTheirOrder) {
+  const auto pieces = piecesOf(collision(kMesh) + collision(R"(<sphere radius="0.5"/>)") +
+                               collision(R"(<box size="1 2 4"/>)"));
+  ASSERT_EQ(pieces.size(), 3U);
+  EXPECT_EQ(std::get<LinkMesh>(pieces[0]).url, "package://p/liver.obj");
+  const auto& sphere = std::get<core::Sphere>(std::get<core::Shape>(pieces[1]));
+  EXPECT_EQ(sphere.centre, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(sphere.radius, 0.5);
+  // A quarter turn about z takes x to y.
+  EXPECT_LE(
+      (rigidMesh(pieces[2]).pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(),
+      kTolerance);
+}
+
+TEST(LinkPieces, ABoxIsItsTwelveTriangles) {
+  const auto pieces = piecesOf(collision(R"(<box size="1 2 4"/>)"));
+  const core::RigidMesh& box = rigidMesh(pieces[0]);
+  EXPECT_TRUE(box.convex);
+  EXPECT_TRUE(box.surface->health().isSolid());
+  EXPECT_FALSE(box.surface->health().inverted);
+  EXPECT_EQ(box.surface->mesh().triangleCount(), 12U);
+  EXPECT_EQ(box.surface->health().box.high, Eigen::Vector3d(0.5, 1, 2));
+  EXPECT_EQ(volumeOf(box.surface->mesh()), 8.0);
+}
+
+TEST(LinkPieces, ACylinderIsAPrismWhoseEdgesLieOnIt) {
+  const auto pieces = piecesOf(collision(R"(<cylinder radius="0.5" length="3"/>)"));
+  const core::RigidMesh& prism = rigidMesh(pieces[0]);
+  EXPECT_TRUE(prism.convex);
+  EXPECT_TRUE(prism.surface->health().isSolid());
+  EXPECT_EQ(prism.surface->health().degenerate_triangles, 0U);
+  for (const Eigen::Vector3d& point : prism.surface->mesh().positions()) {
+    EXPECT_EQ(std::abs(point.z()), 1.5);
+    const double radius = point.head<2>().norm();
+    EXPECT_TRUE(radius == 0.0 || std::abs(radius - 0.5) < kTolerance);
+  }
+  const double area = 0.5 * kCylinderSides * 0.25 * std::sin(2 * M_PI / kCylinderSides);
+  EXPECT_NEAR(volumeOf(prism.surface->mesh()), 3.0 * area, 1e-14);  // rounding of 128 summands
+  EXPECT_LE(1.0 - std::cos(M_PI / kCylinderSides), 0.005);
+}
+
+TEST(LinkPieces, RefusesSizesThatAreNone) {
+  const auto refused = [](const std::string& geometry) {
+    return messageOf([&] { piecesOf(collision(geometry)); });
+  };
+  EXPECT_THAT(refused(R"(<sphere radius="-1"/>)"),
+              HasSubstr("sphere's radius is -1, but it must be finite and above 0"));
+  EXPECT_THAT(refused(R"(<box size="1 0 1"/>)"), HasSubstr("box's y is 0"));
+  EXPECT_THAT(refused(R"(<cylinder radius="1" length="-2"/>)"), HasSubstr("cylinder's length"));
+  EXPECT_THAT(refused(R"(<cylinder radius="0" length="2"/>)"), HasSubstr("cylinder's radius"));
+  EXPECT_THAT(refused(R"(<sphere/>)"), HasSubstr("it has no <collision> that can be read"));
+  EXPECT_THAT(
+      refused(R"(<sphere radius="1"/></geometry></collision><collision><geometry><sphere/>)"),
+      HasSubstr("only 1 of its 2 <collision> can be read"));
+  EXPECT_THAT(messageOf([] { linkPieces(robot(""), "arm"); }),
+              HasSubstr("there are: abdomen, bed"));
 }
 
 }  // namespace

@@ -64,6 +64,10 @@ std::vector<std::pair<std::size_t, std::size_t>> indices(const Scene& scene) {
   return all;
 }
 
+Eigen::Vector3d pointOf(const Instrument& instrument) {
+  return std::get<Eigen::Vector3d>(std::get<core::Shape>(instrument.geometry));
+}
+
 const List kCorners = {List{0, 0.001, 0}, List{0.0, -0.001, 0.0}, List{0.0, 0.0, 0.004}};
 
 TEST(Scene, FillsInTheDefaults) {
@@ -78,7 +82,7 @@ TEST(Scene, FillsInTheDefaults) {
   ASSERT_EQ(parsed.instruments.size(), 2u);
   EXPECT_EQ(parsed.instruments[0].name, "left");
   EXPECT_EQ(parsed.instruments[0].frame, "left_tip");
-  EXPECT_EQ(std::get<Eigen::Vector3d>(parsed.instruments[0].shape), Eigen::Vector3d::Zero());
+  EXPECT_EQ(pointOf(parsed.instruments[0]), Eigen::Vector3d::Zero());
   EXPECT_THAT(indices(parsed),
               ElementsAre(std::pair(0, 0), std::pair(0, 1), std::pair(1, 0), std::pair(1, 1)));
   EXPECT_EQ(parsed.max_distance, kInfinity);
@@ -110,8 +114,9 @@ TEST(Scene, TakesEveryKey) {
   EXPECT_EQ(parsed.frame, "world");
   EXPECT_EQ(std::get<MeshFile>(parsed.organs[0].geometry).scale, 0.001);
   EXPECT_EQ(std::get<RobotLink>(parsed.organs[1].geometry).name, "abdomen");
-  EXPECT_EQ(std::get<Eigen::Vector3d>(parsed.instruments[0].shape), Eigen::Vector3d::Zero());
-  const auto& triangle = std::get<core::Triangle>(parsed.instruments[1].shape);
+  EXPECT_EQ(pointOf(parsed.instruments[0]), Eigen::Vector3d::Zero());
+  const auto& triangle =
+      std::get<core::Triangle>(std::get<core::Shape>(parsed.instruments[1].geometry));
   EXPECT_EQ(triangle.a, Eigen::Vector3d(0, 0.001, 0));
   EXPECT_EQ(triangle.b, Eigen::Vector3d(0, -0.001, 0));
   EXPECT_EQ(triangle.c, Eigen::Vector3d(0, 0, 0.004));
@@ -139,8 +144,9 @@ TEST(Scene, RefusesUnknownKeysAtEachLevel) {
             "accuracy, rate, stale_after, mesh_root");
   EXPECT_EQ(refusal(withOrgan(with(without(organ("liver"), "mesh"), "mseh", "liver.obj"))),
             "scene.organs[0].mseh: unknown key; known: name, frame, mesh, link, scale");
-  EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "radius", 0.005))),
-            "scene.instruments[0].radius: unknown key; known: name, frame, shape, corners");
+  EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "size", 0.005))),
+            "scene.instruments[0].size: unknown key; known: name, frame, shape, corners, ends, "
+            "radius, mesh, scale, link, convex");
   EXPECT_EQ(refusal(with(scene(), "accuracy", Map{{"epsilon", 0.1}})),
             "scene.accuracy.epsilon: unknown key; known: max_relative_error, max_absolute_error, "
             "max_leaves");
@@ -238,27 +244,93 @@ TEST(Scene, RefusesPairsThatMeanNothing) {
   EXPECT_EQ(refusal(withPairs({"left"})), "scene.pairs[0]: 'left', but it must be a list of 2");
 }
 
-TEST(Scene, RefusesWhatItDoesNotSupportYet) {
-  EXPECT_EQ(refusal(withPairs({pair("left", "right")})),
-            "scene.pairs[0]: a pair of instruments is not supported by this version");
-  EXPECT_EQ(refusal(withPairs({pair("stomach", "liver")})),
-            "scene.pairs[0]: a pair of organs is not supported by this version");
+TEST(Scene, RefusesShapesThatThereAreNot) {
   EXPECT_EQ(refusal(withOrgan(with(organ("liver"), "shape", "sphere"))),
-            "scene.organs[0].shape: an organ's shape is not supported by this version");
-  for (const std::string shape : {"sphere", "capsule", "mesh"}) {
+            "scene.organs[0].shape: an organ is a mesh: its vertices and triangles are what "
+            "answers name");
+  for (const std::string shape : {"sphree", "link"}) {
     EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "shape", shape))),
-              "scene.instruments[0].shape: " + shape +
-                  " is not supported by this version; supported: point, triangle");
+              "scene.instruments[0].shape: '" + shape +
+                  "', but it must be one of point, triangle, sphere, capsule, mesh");
   }
-  EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "shape", "sphree"))),
-            "scene.instruments[0].shape: 'sphree', but it must be point or triangle");
+}
+
+TEST(Scene, TakesEveryShape) {
+  const List ends = {List{0, 0, 0}, List{0.0, 0.0, -0.2}};
+  const Map sphere = with(with(instrument("a"), "shape", "sphere"), "radius", 0.003);
+  const Map capsule =
+      with(with(with(instrument("b"), "shape", "capsule"), "radius", 0.004), "ends", ends);
+  Map jaw = with(with(instrument("c"), "shape", "mesh"), "mesh", "jaw.stl");
+  jaw = with(with(jaw, "scale", 0.001), "convex", true);
+  const Map arm = with(instrument("d"), "link", "forearm");
+  const Scene parsed = parseScene(with(scene(), "instruments", List{sphere, capsule, jaw, arm}));
+  const auto shape = [&](std::size_t i) {
+    return std::get<core::Shape>(parsed.instruments[i].geometry);
+  };
+  EXPECT_EQ(std::get<core::Sphere>(shape(0)).radius, 0.003);
+  EXPECT_EQ(std::get<core::Sphere>(shape(0)).centre, Eigen::Vector3d::Zero());
+  EXPECT_EQ(std::get<core::Capsule>(shape(1)).radius, 0.004);
+  EXPECT_EQ(std::get<core::Capsule>(shape(1)).end, Eigen::Vector3d(0, 0, -0.2));
+  EXPECT_EQ(std::get<MeshFile>(parsed.instruments[2].geometry).url, "jaw.stl");
+  EXPECT_EQ(std::get<MeshFile>(parsed.instruments[2].geometry).scale, 0.001);
+  EXPECT_TRUE(parsed.instruments[2].convex);
+  EXPECT_EQ(std::get<RobotLink>(parsed.instruments[3].geometry).name, "forearm");
+  EXPECT_FALSE(parsed.instruments[3].convex);
+}
+
+TEST(Scene, RefusesAShapeWithoutSize) {
+  const auto refused = [](Map shape) {
+    shape["name"] = shape["frame"] = "left";
+    return refusal(withInstrument(shape));
+  };
+  const std::string path = "scene.instruments[0].";
+  const List ends = {List{0, 0, 0}, List{0, 0, 1}};
+  EXPECT_EQ(refused({{"shape", "sphere"}}), path + "radius: is missing");
+  EXPECT_EQ(refused({{"shape", "capsule"}, {"ends", ends}}), path + "radius: is missing");
+  EXPECT_EQ(refused({{"shape", "capsule"}, {"radius", 1}}), path + "ends: is missing");
+  EXPECT_EQ(refused({{"shape", "capsule"}, {"radius", 1}, {"ends", List{ends[0]}}}),
+            path + "ends: a list of 1, but it must be a list of 2");
+  EXPECT_EQ(refused({{"shape", "mesh"}}), path + "mesh: is missing");
+  for (const double radius : {0.0, -0.003, kNan, kInfinity}) {
+    EXPECT_THAT(refused({{"shape", "sphere"}, {"radius", radius}}), HasSubstr(path + "radius: "));
+    EXPECT_THAT(refused({{"shape", "capsule"}, {"radius", radius}, {"ends", ends}}),
+                HasSubstr(", but it must be a finite number above 0"));
+  }
+}
+
+TEST(Scene, RefusesAKeyThatBelongsToAnotherShape) {
+  EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "radius", 0.003))),
+            "scene.instruments[0].radius: a point has none; a sphere has");
+  EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "shape", "sphere"), "mesh", "a"))),
+            "scene.instruments[0].mesh: a sphere has none; a mesh has");
+  EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "shape", "point"), "link", "a"))),
+            "scene.instruments[0].shape: either shape or link is wanted, not both");
+  EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "link", "a"), "scale", 1))),
+            "scene.instruments[0].scale: a link has none; a mesh has");
+  EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "link", "a"), "convex", 1))),
+            "scene.instruments[0].convex: 1, but it must be true or false");
+}
+
+TEST(Scene, TakesPairsOfInstrumentsAndOfOrgansInTheirOrder) {
+  const Scene parsed = parseScene(
+      withPairs({pair("right", "left"), pair("left", "liver"), pair("liver", "stomach")}));
+  ASSERT_EQ(parsed.like_pairs.size(), 2U);
+  EXPECT_EQ(parsed.like_pairs[0].of, LikePair::Of::kInstruments);
+  EXPECT_EQ(parsed.like_pairs[0].first, 1U);
+  EXPECT_EQ(parsed.like_pairs[0].second, 0U);
+  EXPECT_EQ(parsed.like_pairs[1].of, LikePair::Of::kOrgans);
+  EXPECT_EQ(parsed.like_pairs[1].second, 1U);
+  EXPECT_THAT(indices(parsed), ElementsAre(std::pair(0, 0)));
+  EXPECT_TRUE(parseScene(scene()).like_pairs.empty());
+  EXPECT_EQ(refusal(withPairs({pair("left", "right"), pair("right", "left")})),
+            "scene.pairs[1]: the pair is listed before");
 }
 
 TEST(Scene, RefusesATriangleWithoutItsCornersAndCornersWithoutATriangle) {
   const Map triangle = with(instrument("left"), "shape", "triangle");
   EXPECT_EQ(refusal(withInstrument(triangle)), "scene.instruments[0].corners: is missing");
   EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "corners", kCorners))),
-            "scene.instruments[0].corners: only a shape: triangle has corners");
+            "scene.instruments[0].corners: a point has none; a triangle has");
   EXPECT_EQ(refusal(withInstrument(with(triangle, "corners", List{kCorners[0], kCorners[1]}))),
             "scene.instruments[0].corners: a list of 2, but it must be a list of 3");
   EXPECT_EQ(refusal(withInstrument(

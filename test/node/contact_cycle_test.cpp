@@ -15,10 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A unit cube in frame `liver` and two point tips, without a master.
 class ContactCycleTest : public testing::Test {
  protected:
-  ContactCycleTest() {
-    organs_.push_back(std::make_unique<Organ>("liver", "liver", test::cube()));
-    place("world", "liver", {10, 0, 0}, ros::Time(0), true);
-  }
+  ContactCycleTest() { place("world", "liver", {10, 0, 0}, ros::Time(0), true); }
 
   void place(const std::string& parent, const std::string& child, const Eigen::Vector3d& at,
              const ros::Time& stamp, bool is_static = false) {
@@ -39,19 +36,29 @@ class ContactCycleTest : public testing::Test {
   }
 
   static io::Scene twoInstruments() {
-    const Eigen::Vector3d origin(0, 0, 0);
     io::Scene scene;
     scene.frame = "world";
     scene.organs = {{"liver", "liver", io::MeshFile{"unused", 1.0}}};
-    scene.instruments = {{"left", "left_tip", origin}, {"right", "right_tip", origin}};
     scene.pairs = {{0, 0}, {1, 0}};
     return scene;
   }
 
+  static Organs oneCube() {
+    Organs organs;
+    organs.push_back(std::make_unique<Organ>("liver", "liver", test::cube()));
+    return organs;
+  }
+
+  static Instruments twoPoints() {
+    const core::Shapes origin = {Eigen::Vector3d(0, 0, 0)};
+    return {{"left", "left_tip", origin}, {"right", "right_tip", origin}};
+  }
+
   io::Scene scene_ = twoInstruments();
-  Organs organs_;
+  Instruments instruments_ = twoPoints();
+  Organs organs_ = oneCube();
   tf2::BufferCore buffer_;
-  ContactCycle cycle_{scene_, organs_, buffer_};
+  ContactCycle cycle_{scene_, instruments_, organs_, buffer_};
 };
 
 TEST_F(ContactCycleTest, TellsContactsInTheScenesFrameWithTheStampOfTheTip) {
@@ -157,7 +164,16 @@ TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
 }
 
 TEST_F(ContactCycleTest, MeasuresATriangleTipWhole) {
-  scene_.instruments[0].shape = core::Triangle{{0, 0, 0}, {0, 0, -1}, {0.1, 0, 0}};
+  instruments_[0].shapes = {core::Triangle{{0, 0, 0}, {0, 0, -1}, {0.1, 0, 0}}};
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  const Contact contact = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(contact.nearest.distance, 1.0);
+  EXPECT_EQ(contact.instrument_point.z, 2.0);
+}
+
+TEST_F(ContactCycleTest, MeasuresAllPiecesOfAnInstrument) {
+  const core::Capsule shaft{{0, 0, 0}, {0, 0, 1}, 0.25};
+  instruments_[0].shapes = {shaft, core::Sphere{{0, 0, -0.5}, 0.5}};
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
   const Contact contact = contacts(ros::Time(100.0)).contacts[0];
   EXPECT_EQ(contact.nearest.distance, 1.0);
@@ -166,8 +182,10 @@ TEST_F(ContactCycleTest, MeasuresATriangleTipWhole) {
 
 TEST_F(ContactCycleTest, WithoutAWayToTheScenesFrameThereIsNoPose) {
   scene_.frame = "nowhere";
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
-  EXPECT_EQ(contacts(ros::Time(100.0)).contacts[0].status, Contact::NO_POSE);
+  cycle.lookUpTips();
+  EXPECT_EQ(cycle.contacts(ros::Time(100.0), {}).contacts[0].status, Contact::NO_POSE);
 }
 
 }  // namespace

@@ -26,8 +26,12 @@ def organ(**fields):
     return {"name": "liver", "frame": "liver", "mesh": LIVER, **fields}
 
 
+def instrument(**fields):
+    return {"name": "left", "frame": "left_tip", **fields}
+
+
 def scene(**fields):
-    return {"organs": [organ()], "instruments": [{"name": "left", "frame": "left_tip"}], **fields}
+    return {"organs": [organ()], "instruments": [instrument()], **fields}
 
 
 def start(name, described):
@@ -87,11 +91,22 @@ def bad_scenes(folder):
         "unknown_key": (scene(colour="red"), ["scene.colour"]),
         "unknown_key_of_an_organ": (scene(organs=[organ(colour="red")]), ["scene.organs[0].colour"]),
         "unknown_key_of_an_instrument":
-            (scene(instruments=[{"name": "left", "frame": "left_tip", "radius": 0.1}]),
-             ["scene.instruments[0].radius"]),
+            (scene(instruments=[instrument(size=0.1)]), ["scene.instruments[0].size"]),
+        "radius_of_a_point": (scene(instruments=[instrument(radius=0.1)]), ["scene.instruments[0].radius"]),
+        "sphere_without_size":
+            (scene(instruments=[instrument(shape="sphere")]), ["scene.instruments[0].radius", "missing"]),
+        "negative_radius":
+            (scene(instruments=[instrument(shape="sphere", radius=-0.003)]),
+             ["scene.instruments[0].radius", "-0.003"]),
+        "capsule_without_ends":
+            (scene(instruments=[instrument(shape="capsule", radius=0.003)]), ["scene.instruments[0].ends"]),
+        "missing_mesh_of_an_instrument":
+            (scene(instruments=[instrument(shape="mesh", mesh=missing)]), ["scene.instruments[0].mesh", missing]),
+        "instrument_with_itself": (scene(pairs=[["left", "left"]]), ["scene.pairs[0]", "left"]),
+        "pair_of_one": (scene(pairs=[["left"]]), ["scene.pairs[0]"]),
         "unknown_key_of_accuracy": (scene(accuracy={"epsilon": 0.1}), ["scene.accuracy.epsilon"]),
         "unknown_shape":
-            (scene(instruments=[{"name": "left", "frame": "left_tip", "shape": "hook"}]), ["hook"]),
+            (scene(instruments=[instrument(shape="hook")]), ["scene.instruments[0].shape", "hook"]),
         "no_frame": (scene(organs=[{"name": "liver", "mesh": LIVER}]), ["scene.organs[0].frame"]),
         "no_mesh": (scene(organs=[{"name": "liver", "frame": "liver"}]), ["scene.organs[0]", "mesh"]),
         "negative_scale": (scene(organs=[organ(scale=-1.0)]), ["scene.organs[0].scale", "-1"]),
@@ -114,7 +129,8 @@ def bad_scenes(folder):
         "link_out_of_mesh_root": (scene(organs=[organ(mesh=link)], mesh_root=root), [outside, root]),
         "missing_mesh_root": (scene(mesh_root=missing), [missing]),
         "link_without_description":
-            (scene(organs=[{"name": "liver", "frame": "liver", "link": "liver"}]), ["robot_description"]),
+            (scene(organs=[{"name": "liver", "frame": "liver", "link": "liver"}]),
+             ["scene.organs[0].link", "robot_description"]),
     }
     for what, (path, name) in bad_meshes(folder).items():
         cases["mesh_" + what] = (scene(organs=[organ(mesh=path)]), [path, name])
@@ -141,6 +157,18 @@ class Starts(unittest.TestCase):
                                                          bad_scenes(os.path.realpath(folder)).items())))
         if complaints:
             self.fail(complaints)
+
+    def test_an_unknown_link_ends_the_node_with_the_key_and_the_links_that_there_are(self):
+        rospy.set_param("/robot_description", '<robot name="r"><link name="arm"/></robot>')
+        try:
+            described = scene(instruments=[instrument(link="leg")])
+            complaint = self.complaint("unknown_link", described, ["scene.instruments[0].link", "leg", "arm"])
+            self.assertEqual(complaint, "")
+            described = scene(instruments=[instrument(link="arm")])
+            complaint = self.complaint("bare_link", described, ["scene.instruments[0].link", "no <collision>"])
+            self.assertEqual(complaint, "")
+        finally:
+            rospy.delete_param("/robot_description")
 
     def check_that_it_runs(self, name, described):
         """Returns the names of its organs."""

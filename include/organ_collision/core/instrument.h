@@ -28,6 +28,7 @@ struct Capsule {
 struct RigidMesh {
   std::shared_ptr<const CollisionMesh> surface;
   Eigen::Isometry3d pose;  ///< frame_from_surface
+  bool convex = false;     ///< against other instruments it counts as its convex hull
 };
 
 /// A piece of an instrument: a point, a triangle as in the paper, a sphere, a capsule or a mesh,

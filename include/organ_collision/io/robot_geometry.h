@@ -3,6 +3,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <string>
+#include <variant>
+#include <vector>
+
+#include "organ_collision/core/instrument.h"
 
 namespace organ_collision::io {
 
@@ -13,6 +17,18 @@ struct LinkMesh {
   Eigen::Vector3d scale;             ///< [m] per unit of the file, along the mesh's axes; never 0
   Eigen::Isometry3d link_from_mesh;  ///< [m]
 };
+
+/// A piece of a link's geometry in the link's frame: a mesh that is yet to be read, or a shape.
+using LinkPiece = std::variant<LinkMesh, core::Shape>;
+
+/// Every <collision> of `link` in `robot_description`, a URDF document. A box becomes its own 12
+/// triangles, a cylinder the prism of kCylinderSides whose edges lie on it; both are convex.
+/// Throws std::invalid_argument naming the link if the document cannot be read, or unless the link
+/// is there and has a <collision>, all of them of sizes that are finite and above 0.
+std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link);
+
+/// The faces of such a prism are inside the cylinder by at most 0.5 % of its radius.
+constexpr int kCylinderSides = 32;
 
 /// The collision mesh of `link` in `robot_description`, a URDF document.
 /// Throws std::invalid_argument naming the link if the document cannot be read, or unless the link

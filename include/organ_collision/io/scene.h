@@ -19,7 +19,8 @@ struct MeshFile {
   double scale = 1.0;  ///< [m] per unit of the file
 };
 
-/// The collision mesh of a link of the robot description, with that mesh's scale and origin.
+/// The <collision> of a link of the robot description, with scales and origins. An organ's is one
+/// mesh, an instrument's any number of meshes, spheres, boxes and cylinders.
 struct RobotLink {
   std::string name;
 };
@@ -32,8 +33,10 @@ struct Organ {
 
 struct Instrument {
   std::string name;
-  std::string frame;  ///< tf frame of the tip
-  core::Shape shape;  ///< [m] in the tip's frame; a point is at its origin
+  std::string frame;  ///< tf frame of the tip, or of the link
+  /// [m] in the tip's frame; a point and a sphere are at its origin.
+  std::variant<core::Shape, MeshFile, RobotLink> geometry;
+  bool convex = false;  ///< against other instruments its meshes count as their convex hulls
 };
 
 /// Indices into Scene::instruments and Scene::organs.
@@ -42,12 +45,20 @@ struct Pair {
   std::size_t organ;
 };
 
+/// Two instruments or two organs, in the order given.
+struct LikePair {
+  enum class Of { kInstruments, kOrgans };
+  Of of;
+  std::size_t first, second;  ///< indices into Scene::instruments or Scene::organs
+};
+
 /// What the parameter `scene` says: who is compared with whom, and how.
 struct Scene {
   std::string frame;  ///< tf frame of everything published
   std::vector<Organ> organs;
   std::vector<Instrument> instruments;
   std::vector<Pair> pairs;
+  std::vector<LikePair> like_pairs;
   double max_distance = std::numeric_limits<double>::infinity();  ///< [m]
   core::Accuracy accuracy;
   double rate = 1000.0;                            ///< [1/s] most cycles per second
@@ -56,7 +67,8 @@ struct Scene {
 };
 
 /// The scene that `value`, a map, describes; docs/ros_api.md lists its keys. What is left out has
-/// the defaults above; `frame` is then the first organ's, `pairs` each instrument with each organ.
+/// the defaults above; `frame` is then the first organ's, `pairs` each instrument with each organ
+/// and no others.
 /// Throws std::invalid_argument naming the key's path, its value and what was wanted, such as
 /// "scene.organs[1].scale: -2, but it must be a finite number above 0". Unknown keys are refused
 /// too.

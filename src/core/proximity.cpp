@@ -1,0 +1,122 @@
+#include "organ_collision/core/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "organ_collision/core/contact.h"
+#include "organ_collision/core/nearest_pair.h"
+#include "organ_collision/core/triangle_distance.h"
+#include "plane_coordinates.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Vector3d unitOrZero(const Vector3d& vector) {
+  return vector.isZero(0.0) ? Vector3d(Vector3d::Zero()) : vector.stableNormalized();
+}
+
+/// Unit, from the first core to the second; where two axes cross, square to both; else zero.
+Vector3d direction(const ClosestPair& pair, const Triangle& first, const Triangle& second) {
+  const Vector3d& offset = pair.on_second.offset;
+  if (!offset.isZero(0.0)) return offset.stableNormalized();
+  const Vector3d along_first = unitOrZero(first.b - first.a);
+  return unitOrZero(accurateCross(along_first, unitOrZero(second.b - second.a)));
+}
+
+Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {
+  const ClosestPair pair = closestPoints(first.core, second.core);
+  const Vector3d normal = direction(pair, first.core, second.core);
+  const double distance =
+      std::sqrt(pair.on_second.squared_distance) - (first.radius + second.radius);
+  return {pair.point_on_first + first.radius * normal,
+          pair.on_second.point - second.radius * normal,
+          normal,
+          distance,
+          distance,
+          distance,
+          distance <= 0.0,
+          true,
+          std::nullopt,
+          std::nullopt,
+          {}};
+}
+
+/// `nearest` is of the second, a mesh; `radius` has been taken off it.
+Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_certain,
+                 const Isometry3d& frame_from_mesh) {
+  const Vector3d offset = unitOrZero(nearest.closest.offset);
+  const bool inside = nearest.distance + radius < 0.0;
+  const Vector3d normal =
+      offset.isZero(0.0) ? Vector3d(-nearest.normal) : Vector3d(inside ? -offset : offset);
+  return transformed({nearest.tip_point, nearest.closest.point, normal, nearest.distance,
+                      nearest.lower_bound, nearest.upper_bound, nearest.distance <= 0.0,
+                      colliding_certain, std::nullopt, nearest.triangle, nearest.work},
+                     frame_from_mesh);
+}
+
+Proximity roundToMesh(const Shape& round, const RigidMesh& mesh, const Accuracy& accuracy) {
+  const Contact found = contact(*mesh.surface, transformed(round, mesh.pose.inverse()), accuracy);
+  return toMesh(found.nearest, roundShape(round)->radius, found.colliding_certain, mesh.pose);
+}
+
+Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const Accuracy& accuracy) {
+  const NearestPair pair =
+      nearestPair(*first.surface, second.pose.inverse() * first.pose, *second.surface, accuracy);
+  const bool solids = first.surface->health().isSolid() || second.surface->health().isSolid();
+  const bool certain = pair.nearest.distance <= 0.0 || (pair.nearest.lower_bound > 0.0 &&
+                                                        (pair.nearest.distance_signed || !solids));
+  Proximity proximity = toMesh(pair.nearest, 0.0, certain, second.pose);
+  proximity.triangle_of_first = pair.triangle_of_first;
+  return proximity;
+}
+
+}  // namespace
+
+Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy) {
+  requireUsable(first);
+  requireUsable(second);
+  const auto* first_mesh = std::get_if<RigidMesh>(&first);
+  const auto* second_mesh = std::get_if<RigidMesh>(&second);
+  if (first_mesh != nullptr && second_mesh != nullptr) {
+    const bool is_first_smaller =
+        first_mesh->surface->mesh().triangleCount() <= second_mesh->surface->mesh().triangleCount();
+    return is_first_smaller ? betweenMeshes(*first_mesh, *second_mesh, accuracy)
+                            : swapped(betweenMeshes(*second_mesh, *first_mesh, accuracy));
+  }
+  if (second_mesh != nullptr) return roundToMesh(first, *second_mesh, accuracy);
+  if (first_mesh != nullptr) return swapped(roundToMesh(second, *first_mesh, accuracy));
+  return betweenRounds(*roundShape(first), *roundShape(second));
+}
+
+Proximity swapped(const Proximity& proximity) {
+  Proximity result = proximity;
+  std::swap(result.point_on_first, result.point_on_second);
+  std::swap(result.triangle_of_first, result.triangle_of_second);
+  result.normal = -result.normal;
+  return result;
+}
+
+Proximity transformed(Proximity proximity, const Isometry3d& target_from_source) {
+  proximity.point_on_first = target_from_source * proximity.point_on_first;
+  proximity.point_on_second = target_from_source * proximity.point_on_second;
+  proximity.normal = target_from_source.linear() * proximity.normal;
+  return proximity;
+}
+
+Proximity united(const Proximity& one, const Proximity& other) {
+  const bool certain =
+      (one.colliding || one.colliding_certain) && (other.colliding || other.colliding_certain);
+  Proximity nearer = other.distance < one.distance ? other : one;
+  nearer.lower_bound = std::min(one.lower_bound, other.lower_bound);
+  nearer.upper_bound = std::min(one.upper_bound, other.upper_bound);
+  nearer.colliding = one.colliding || other.colliding;
+  nearer.colliding_certain = nearer.colliding || certain;
+  nearer.work.bounds = one.work.bounds + other.work.bounds;
+  nearer.work.triangles = one.work.triangles + other.work.triangles;
+  return nearer;
+}
+
+}  // namespace organ_collision::core

@@ -1,0 +1,30 @@
+#include "node/pair_pose.h"
+
+namespace organ_collision::node {
+
+bool PairPose::lookUp(const tf2::BufferCore& buffer) {
+  const FrameLookup first = lookUpFrame(buffer, frames_.second, frames_.first);
+  reason_ = first.reason;
+  bool moved = false;
+  if (first.pose) {
+    moved = !second_from_first_ || second_from_first_->stamp != first.pose->stamp;
+    second_from_first_ = first.pose;
+  }
+  FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second,
+                                  first.pose ? first.pose->stamp : ros::Time());
+  if (!scene.pose) scene = lookUpFrame(buffer, frames_.scene, frames_.second);
+  if (scene.pose) scene_from_second_ = scene.pose;
+  if (reason_.empty()) reason_ = scene.reason;
+  return moved;
+}
+
+ros::Duration PairPose::age(const ros::Time& now) const {
+  return stamp().isZero() ? ros::Duration(0) : now - stamp();
+}
+
+std::string PairPose::complaint(const ros::Time& now, double stale_after) const {
+  if (!reason_.empty() || age(now).toSec() <= stale_after) return reason_;
+  return "the last pose is " + std::to_string(age(now).toSec()) + " s old";
+}
+
+}  // namespace organ_collision::node

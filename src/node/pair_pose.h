@@ -1,0 +1,49 @@
+#pragma once
+
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+
+#include <optional>
+#include <string>
+
+#include "node/frame_lookup.h"
+
+namespace organ_collision::node {
+
+/// The frames of a pair, and of what is published of it.
+struct PairFrames {
+  std::string first, second, scene;
+};
+
+/// Where the first of a pair is in the second's frame, and the second in the scene's: the last that
+/// tf knew. Once known they are kept, whatever tf forgets.
+class PairPose {
+ public:
+  explicit PairPose(PairFrames frames) : frames_(std::move(frames)) {}
+
+  /// Asks tf; true if the first has moved against the second since the last time.
+  bool lookUp(const tf2::BufferCore& buffer);
+
+  /// tf has told both at least once.
+  bool isKnown() const { return second_from_first_ && scene_from_second_; }
+
+  // REQUIRES of the rest: isKnown().
+  const Eigen::Isometry3d& secondFromFirst() const {
+    return second_from_first_->target_from_source;
+  }
+  const Eigen::Isometry3d& sceneFromSecond() const {
+    return scene_from_second_->target_from_source;
+  }
+  const ros::Time& stamp() const { return second_from_first_->stamp; }  ///< zero if static
+  ros::Duration age(const ros::Time& now) const;                        ///< zero if static
+
+  /// Why the poses are not those of now; empty: they are. REQUIRES: lookUp() was called.
+  std::string complaint(const ros::Time& now, double stale_after) const;
+
+ private:
+  PairFrames frames_;
+  std::optional<FramePose> second_from_first_, scene_from_second_;
+  std::string reason_;  // why tf does not know them now
+};
+
+}  // namespace organ_collision::node

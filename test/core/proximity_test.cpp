@@ -1,0 +1,166 @@
+#include "organ_collision/core/proximity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "exact_reference.h"
+#include "organs_and_tips.h"
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::queryCount;
+
+constexpr double kTolerance = 1e-14;  // [m] rounding of coordinates of a few metres
+
+Shape cubeAt(const Vector3d& corner, double size = 1.0) {
+  return RigidMesh{std::make_shared<const CollisionMesh>(test::cube(size)),
+                   Isometry3d(Eigen::Translation3d(corner))};
+}
+
+TEST(Proximity, OfTwoSpheresIsThatOfTheCentresLessTheRadii) {
+  const Proximity apart = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 5}, 2});
+  EXPECT_EQ(apart.distance, 2);
+  EXPECT_EQ(apart.point_on_first, Vector3d(0, 0, 1));
+  EXPECT_EQ(apart.point_on_second, Vector3d(0, 0, 3));
+  EXPECT_EQ(apart.normal, Vector3d(0, 0, 1));
+  EXPECT_FALSE(apart.colliding);
+  EXPECT_FALSE(apart.triangle_of_first || apart.triangle_of_second);
+  const Proximity overlapping = proximity(Sphere{{0, 0, 0}, 3}, Sphere{{0, 0, 4}, 2});
+  EXPECT_EQ(overlapping.distance, -1);
+  EXPECT_EQ(overlapping.point_on_first, Vector3d(0, 0, 3));
+  EXPECT_EQ(overlapping.point_on_second, Vector3d(0, 0, 2));
+  EXPECT_TRUE(overlapping.colliding);
+}
+
+TEST(Proximity, OfCrossingCapsulesIsBothRadiiDeepSquareToBothAxes) {
+  const Capsule along_x{{-1, 0, 0}, {1, 0, 0}, 0.25};
+  const Capsule along_y{{0, -1, 0}, {0, 1, 0}, 0.5};
+  const Proximity crossing = proximity(along_x, along_y);
+  EXPECT_EQ(crossing.distance, -0.75);
+  EXPECT_EQ(std::abs(crossing.normal.z()), 1.0);
+  EXPECT_EQ(proximity(along_y, along_x).normal, -crossing.normal);
+}
+
+TEST(Proximity, OfOneCentreInTheOtherHasNoNormal) {
+  const Proximity same = proximity(Sphere{{1, 2, 3}, 1}, Sphere{{1, 2, 3}, 2});
+  EXPECT_EQ(same.distance, -3);
+  EXPECT_TRUE(same.normal.isZero(0.0));
+  EXPECT_EQ(same.point_on_first, Vector3d(1, 2, 3));
+}
+
+TEST(Proximity, WithAMeshNamesItsTriangle) {
+  const Proximity above = proximity(cubeAt({5, 5, 5}), Sphere{{5.5, 5.5, 8}, 0.5});
+  EXPECT_EQ(above.distance, 1.5);
+  EXPECT_EQ(above.normal, Vector3d(0, 0, 1));
+  EXPECT_EQ(above.point_on_first, Vector3d(5.5, 5.5, 6));
+  EXPECT_EQ(above.point_on_second, Vector3d(5.5, 5.5, 7.5));
+  EXPECT_TRUE(above.triangle_of_first);
+  EXPECT_FALSE(above.triangle_of_second);
+  const Proximity inside = proximity(Vector3d(5.5, 5.5, 5.75), cubeAt({5, 5, 5}));
+  EXPECT_EQ(inside.distance, -0.25);
+  EXPECT_EQ(inside.normal, Vector3d(0, 0, -1));  // the way in
+}
+
+TEST(Proximity, OfTwoMeshesNamesBothTriangles) {
+  const Proximity beside = proximity(cubeAt({0, 0, 0}), cubeAt({0.25, 0.25, 3}, 0.5));
+  EXPECT_EQ(beside.distance, 2);
+  EXPECT_EQ(beside.normal, Vector3d(0, 0, 1));
+  EXPECT_TRUE(beside.triangle_of_first && beside.triangle_of_second);
+  EXPECT_EQ(proximity(cubeAt({0, 0, 0}), cubeAt({0.5, 0.5, 0.5})).distance, 0);
+  EXPECT_TRUE(proximity(cubeAt({0, 0, 0}), cubeAt({0.5, 0.5, 0.5})).colliding);
+  EXPECT_TRUE(proximity(cubeAt({0, 0, 0}), cubeAt({0.5, 0.5, 0.5}, 0.25)).colliding);  // within
+}
+
+TEST(Proximity, UnitedIsTheNearerWithBoundsOfBoth) {
+  const Proximity near = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 3}, 1});
+  Proximity far = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 9}, 1});
+  far.lower_bound = 0.5;
+  far.colliding_certain = false;
+  for (const Proximity& whole : {united(near, far), united(far, near)}) {
+    EXPECT_EQ(whole.distance, 1);
+    EXPECT_EQ(whole.lower_bound, 0.5);
+    EXPECT_EQ(whole.upper_bound, 1);
+    EXPECT_FALSE(whole.colliding_certain);
+  }
+}
+
+// Random pairs.
+
+Shape randomShape(std::mt19937& generator) {
+  static const auto kBlob = std::make_shared<const CollisionMesh>(test::blob(2));
+  const Vector3d start = test::randomPoint(generator, 0.3);
+  const double radius = std::ldexp(0.2, -static_cast<int>(generator() % 6));
+  switch (generator() % 5) {
+    case 0:
+      return start;
+    case 1:
+      return Sphere{start, radius};
+    case 2:
+      return Triangle{start, test::randomPoint(generator, 0.3), test::randomPoint(generator, 0.3)};
+    case 3:
+      return RigidMesh{kBlob, test::randomPose(generator, 0.3)};
+    default:
+      return Capsule{start, test::randomPoint(generator, 0.3), radius};
+  }
+}
+
+TEST(Proximity, OfRoundShapesIsTheExactDistanceOfTheirCoresLessTheRadii) {
+  std::mt19937 generator(81);
+  for (std::size_t i = 0; i < queryCount(3000); ++i) {
+    const Shape first = randomShape(generator);
+    const Shape second = randomShape(generator);
+    if (!roundShape(first) || !roundShape(second)) continue;
+    const auto [core_1, radius_1] = *roundShape(first);
+    const auto [core_2, radius_2] = *roundShape(second);
+    const double expected =
+        static_cast<double>(exact::distance(core_1, core_2)) - radius_1 - radius_2;
+    const Proximity found = proximity(first, second);
+    ASSERT_NEAR(found.distance, expected, kTolerance);
+    ASSERT_EQ(found.colliding, found.distance <= 0);
+    if (found.normal.isZero(0.0)) continue;
+    ASSERT_NEAR((found.point_on_second - found.point_on_first).dot(found.normal), expected,
+                kTolerance);
+  }
+}
+
+TEST(Proximity, SwappedSwapsThePointsAndTurnsTheNormal) {
+  std::mt19937 generator(82);
+  for (std::size_t i = 0; i < queryCount(500); ++i) {
+    const Shape first = randomShape(generator);
+    const Shape second = randomShape(generator);
+    const Proximity there = proximity(first, second);
+    const Proximity back = swapped(proximity(second, first));
+    ASSERT_NEAR(there.distance, back.distance, kTolerance);
+    ASSERT_EQ(there.colliding, back.colliding);
+    ASSERT_EQ(there.triangle_of_first.has_value(), back.triangle_of_first.has_value());
+    if (there.distance < 0.0) continue;  // which of several crossings is told may differ
+    ASSERT_NEAR((there.point_on_first - there.point_on_second).norm(),
+                (back.point_on_first - back.point_on_second).norm(), kTolerance);
+    if (there.distance < 1e-3) continue;  // [m] rounding turns shorter normals further
+    constexpr double kTurn = 1e-9;        // of the normal; nearly parallel edges move the points
+    ASSERT_NEAR((there.normal - back.normal).norm(), 0.0, kTurn);
+  }
+}
+
+TEST(Proximity, MovingBothChangesNothingButRounding) {
+  std::mt19937 generator(83);
+  for (std::size_t i = 0; i < queryCount(500); ++i) {
+    const Shape first = randomShape(generator);
+    const Shape second = randomShape(generator);
+    const Isometry3d pose = test::randomPose(generator, 1.0);
+    const Proximity before = proximity(first, second);
+    const Proximity after = proximity(transformed(first, pose), transformed(second, pose));
+    ASSERT_NEAR(before.distance, after.distance, kTolerance);
+    if (before.distance < 1e-3) continue;
+    ASSERT_NEAR((pose.linear() * before.normal - after.normal).norm(), 0.0, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core
