@@ -62,6 +62,12 @@ Box boxOf(const Shape& shape) {
   return boxAround(*roundShape(shape));
 }
 
+Box boxOf(const Shapes& shapes, const Eigen::Isometry3d& target_from_shapes) {
+  Box box;
+  for (const Shape& shape : shapes) box.add(boxOf(transformed(shape, target_from_shapes)));
+  return box;
+}
+
 void requireUsable(const Shape& shape) {
   if (const auto* mesh = std::get_if<RigidMesh>(&shape)) return requireUsableMesh(*mesh);
   const auto [core, radius] = *roundShape(shape);

@@ -10,6 +10,7 @@
 #include "node/conversions.h"
 #include "node/markers.h"
 #include "node/scene_loader.h"
+#include "organ_collision/core/triangles_within.h"
 
 namespace organ_collision::node {
 namespace {
@@ -60,6 +61,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       tf_node_(onQueue(node, tf_queue_)),
       listener_(buffer_, tf_node_, false, ros::TransportHints().tcpNoDelay()),
       cycle_(scene_, instruments_, organs_, buffer_),
+      proximity_cycle_(scene_, instruments_, organs_, buffer_),
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
       diagnostics_(node, private_node, ros::this_node::getName()),
@@ -81,6 +83,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   diagnostics_.add("contacts", this, &CollisionNode::diagnose);
 
   contacts_publisher_ = private_node.advertise<ContactArray>("contacts", kContactsQueue);
+  if (!scene_.like_pairs.empty())
+    proximities_publisher_ = private_node.advertise<ProximityArray>("proximities", 10);
   markers_publisher_ = private_node.advertise<visualization_msgs::MarkerArray>("markers", 2);
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
@@ -91,6 +95,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
                              ros::TransportHints().tcpNoDelay());
   services_ = {private_node.advertiseService("find_nearest_triangle",
                                              &CollisionNode::findNearestTriangle, this),
+               private_node.advertiseService("find_triangles_within",
+                                             &CollisionNode::findTrianglesWithin, this),
                private_node.advertiseService("update_mesh", &CollisionNode::updateMesh, this),
                private_node.advertiseService("get_mesh", &CollisionNode::getMesh, this)};
   timers_ = {
@@ -100,7 +106,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
                                    [this](const ros::WallTimerEvent&) { diagnostics_.update(); })};
   spinner_.start();
   ROS_INFO("%zu organs, %zu instruments, %zu pairs: ready", scene_.organs.size(),
-           scene_.instruments.size(), scene_.pairs.size());
+           scene_.instruments.size(), scene_.pairs.size() + scene_.like_pairs.size());
 }
 
 CollisionNode::~CollisionNode() {
@@ -129,31 +135,39 @@ void CollisionNode::run() {
       tf_queue_.callAvailable();
     }
     const ros::WallTime now = ros::WallTime::now();
-    if (!cycle_.lookUpTips() && now - last_published < heartbeat) continue;
-    publishContacts();
+    const bool tips_moved = cycle_.lookUpTips();
+    const bool others_moved = proximity_cycle_.lookUp();
+    if (!tips_moved && !others_moved && now - last_published < heartbeat) continue;
+    publishCycle();
     last_published = now;
     // Poses that come late are answered when they come, those behind them no later for it.
     due = std::max(due, now - credit) + shortest;
   }
 }
 
-void CollisionNode::publishContacts() {
+void CollisionNode::publishCycle() {
   const ros::Time now = ros::Time::now();
+  const core::Accuracy accuracy = this->accuracy();
   auto cycle = std::make_shared<Cycle>();
-  cycle->contacts = cycle_.contacts(now, accuracy());
+  cycle->contacts = cycle_.contacts(now, accuracy);
   contacts_publisher_.publish(cycle->contacts);
   cycle->complaints = cycle_.complaints(now);
+  if (proximities_publisher_) {
+    proximities_publisher_.publish(proximity_cycle_.proximities(now, accuracy));
+    for (Complaint& complaint : proximity_cycle_.complaints(now))
+      cycle->complaints.push_back(std::move(complaint));
+  }
   warn(cycle->complaints);
   std::shared_ptr<const Cycle> former = std::move(cycle);
   const std::lock_guard<std::mutex> lock(mutex_);
   last_cycle_.swap(former);  // if nobody reads it, it is freed after the lock
 }
 
-void CollisionNode::warn(const std::vector<ContactCycle::Complaint>& complaints) {
+void CollisionNode::warn(const std::vector<Complaint>& complaints) {
   const ros::WallTime now = ros::WallTime::now();
   std::map<std::string, ros::WallTime> warn_at;
-  for (const ContactCycle::Complaint& complaint : complaints) {
-    const std::string pair = complaint.instrument + " to " + complaint.organ;
+  for (const Complaint& complaint : complaints) {
+    const std::string pair = complaint.first + " to " + complaint.second;
     const auto known = warn_at_.find(pair);
     ros::WallTime& due = warn_at[pair] =
         known == warn_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
@@ -215,6 +229,25 @@ bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
       const core::NearestTriangle nearest =
           core::nearestTriangle(snapshot->organ, organ_from_points * point, accuracy);
       response.nearest.push_back(toMessage(nearest, points_from_organ));
+    }
+  });
+}
+
+bool CollisionNode::findTrianglesWithin(FindTrianglesWithin::Request& request,
+                                        FindTrianglesWithin::Response& response) {
+  return answer(response, [&] {
+    const Organ& organ = organNamed(request.organ);
+    const FramePose pose = waitForPose(organ, request.header);
+    const Eigen::Vector3d point = fromPoint(request.point);
+    core::requireUsable(point, "point", 0);
+    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+    const core::TrianglesWithin within = core::trianglesWithin(
+        snapshot->organ, pose.target_from_source * point, request.radius, request.max_results);
+    response.mesh_version = snapshot->version;
+    response.complete = within.complete;
+    for (const auto& [triangle, distance] : within.triangles) {
+      response.triangles.push_back(static_cast<std::uint32_t>(triangle));
+      response.distances.push_back(distance);
     }
   });
 }
@@ -319,9 +352,9 @@ void CollisionNode::publishMarkers() {
 void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::shared_ptr<const Cycle> cycle = lastCycle();
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
-  for (const ContactCycle::Complaint& complaint : cycle->complaints) {
+  for (const Complaint& complaint : cycle->complaints) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                        complaint.instrument + ": " + complaint.reason);
+                        complaint.first + ": " + complaint.reason);
   }
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {

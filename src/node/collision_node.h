@@ -4,6 +4,7 @@
 #include <dynamic_reconfigure/server.h>
 #include <organ_collision/ContactArray.h>
 #include <organ_collision/FindNearestTriangle.h>
+#include <organ_collision/FindTrianglesWithin.h>
 #include <organ_collision/GetMesh.h>
 #include <organ_collision/MeshUpdate.h>
 #include <organ_collision/OrganCollisionConfig.h>
@@ -20,6 +21,7 @@
 #include <thread>
 
 #include "node/contact_cycle.h"
+#include "node/proximity_cycle.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
@@ -42,16 +44,18 @@ class CollisionNode {
   /// What run() found last.
   struct Cycle {
     ContactArray contacts;
-    std::vector<ContactCycle::Complaint> complaints;
+    std::vector<Complaint> complaints;
   };
 
-  void publishContacts();
-  void warn(const std::vector<ContactCycle::Complaint>& complaints);
+  void publishCycle();
+  void warn(const std::vector<Complaint>& complaints);
   std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
 
   bool findNearestTriangle(FindNearestTriangle::Request& request,
                            FindNearestTriangle::Response& response);
+  bool findTrianglesWithin(FindTrianglesWithin::Request& request,
+                           FindTrianglesWithin::Response& response);
   bool updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response);
   bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
   void takeMeshUpdate(const MeshUpdate& update);
@@ -72,6 +76,7 @@ class CollisionNode {
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_;
   ContactCycle cycle_;                            // run() alone
+  ProximityCycle proximity_cycle_;                // run() alone
   std::map<std::string, ros::WallTime> warn_at_;  // pairs with a complaint; run() alone
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
@@ -81,7 +86,8 @@ class CollisionNode {
   boost::recursive_mutex reconfigure_mutex_;
   dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Publisher contacts_publisher_, markers_publisher_, mesh_info_publisher_;
+  ros::Publisher contacts_publisher_, proximities_publisher_, markers_publisher_,
+      mesh_info_publisher_;
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
   std::mutex markers_mutex_;    // of the two below
   std::map<std::string, std::uint32_t> drawn_versions_;

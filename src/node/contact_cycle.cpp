@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "node/conversions.h"
 
@@ -41,15 +42,25 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const PairPose& pose, cons
   contact.nearest = noNearestTriangle(0.0);
   if (!pose.isKnown()) return contact;
 
+  contact.stamp = pose.stamp();
+  contact.age = pose.age(now);
+  const bool is_late = !pose.complaint(now, scene_.stale_after).empty();
+  contact.status = is_late ? Contact::STALE : Contact::OK;
+  const core::Box box = core::boxOf(instrument.shapes, pose.secondFromFirst());
+  const double apart = std::sqrt(squaredDistance(box, snapshot->organ.health().box));
+  if (apart > scene_.max_distance) {
+    if (!is_late) contact.status = Contact::OUT_OF_RANGE;
+    contact.nearest = noNearestTriangle(apart);
+    contact.instrument_point =
+        toPoint(pose.sceneFromSecond() * pose.secondFromFirst().translation());
+    return contact;
+  }
   const core::Contact found =
       core::contact(snapshot->organ, instrument.shapes, pose.secondFromFirst(), accuracy);
   organ.account(*snapshot, found.nearest.work);
-  contact.stamp = pose.stamp();
-  contact.age = pose.age(now);
-  contact.status = pose.complaint(now, scene_.stale_after).empty() ? Contact::OK : Contact::STALE;
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);
   if (found.nearest.lower_bound > scene_.max_distance) {
-    if (contact.status == Contact::OK) contact.status = Contact::OUT_OF_RANGE;
+    if (!is_late) contact.status = Contact::OUT_OF_RANGE;
     contact.nearest = noNearestTriangle(found.nearest.lower_bound);
     return contact;
   }
@@ -73,7 +84,7 @@ ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& 
   return array;
 }
 
-std::vector<ContactCycle::Complaint> ContactCycle::complaints(const ros::Time& now) const {
+std::vector<Complaint> ContactCycle::complaints(const ros::Time& now) const {
   std::vector<Complaint> complaints;
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     const std::string reason = tracked_[i].pose.complaint(now, scene_.stale_after);

@@ -4,8 +4,6 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "node/instrument.h"
@@ -15,8 +13,6 @@
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
-
-using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
 
 /// From tip poses to contacts: what the node does when tf has news. Knows tf's buffer, not the
 /// master.
@@ -33,9 +29,6 @@ class ContactCycle {
   ContactArray contacts(const ros::Time& now, const core::Accuracy& accuracy) const;
 
   /// What is wrong with a pair's pose; empty if nothing is.
-  struct Complaint {
-    std::string instrument, organ, reason;
-  };
   std::vector<Complaint> complaints(const ros::Time& now) const;
 
  private:

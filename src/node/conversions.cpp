@@ -89,6 +89,24 @@ NearestTriangle noNearestTriangle(double lower_bound) {
   return message;
 }
 
+Proximity toMessage(const core::Proximity& proximity) {
+  const auto number = [](const std::optional<core::TriangleId>& triangle) {
+    return triangle ? static_cast<std::int64_t>(*triangle) : -1;
+  };
+  Proximity message;
+  message.colliding = proximity.colliding;
+  message.colliding_certain = proximity.colliding_certain;
+  message.point_on_first = toPoint(proximity.point_on_first);
+  message.point_on_second = toPoint(proximity.point_on_second);
+  message.normal = toVector(proximity.normal);
+  message.distance = proximity.distance;
+  message.lower_bound = proximity.lower_bound;
+  message.upper_bound = proximity.upper_bound;
+  message.triangle_of_first = number(proximity.triangle_of_first);
+  message.triangle_of_second = number(proximity.triangle_of_second);
+  return message;
+}
+
 MeshInfo toMessage(const Organ& organ) {
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
   const core::CollisionMesh& mesh = snapshot->organ;

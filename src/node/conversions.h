@@ -8,12 +8,14 @@
 #include <organ_collision/MeshInfo.h>
 #include <organ_collision/MeshUpdate.h>
 #include <organ_collision/NearestTriangle.h>
+#include <organ_collision/Proximity.h>
 #include <organ_collision/UpdateMesh.h>
 
 #include <Eigen/Geometry>
 
 #include "node/organ.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/proximity.h"
 #include "organ_collision/io/value.h"
 
 // Between ROS messages and the library. Here a bare Accuracy or NearestTriangle is the message,
@@ -33,6 +35,9 @@ NearestTriangle toMessage(const core::NearestTriangle& nearest,
 
 /// An answer that says nothing but that the distance is at least `lower_bound` [m].
 NearestTriangle noNearestTriangle(double lower_bound);
+
+/// Without names, status and times.
+Proximity toMessage(const core::Proximity& proximity);
 
 MeshInfo toMessage(const Organ& organ);
 

@@ -107,4 +107,6 @@ class Organ {
       current_;  // while as built; in the last period with queries; since the last action
 };
 
+using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
+
 }  // namespace organ_collision::node

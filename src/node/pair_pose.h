@@ -10,6 +10,11 @@
 
 namespace organ_collision::node {
 
+/// Why a pair's pose is not that of now.
+struct Complaint {
+  std::string first, second, reason;
+};
+
 /// The frames of a pair, and of what is published of it.
 struct PairFrames {
   std::string first, second, scene;

@@ -152,6 +152,17 @@ TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_FALSE(contact.colliding);
 }
 
+TEST_F(ContactCycleTest, IsCulledByBoxesBeforeAnyTriangleIsLookedAt) {
+  scene_.max_distance = 1.0;
+  instruments_[0].shapes = {core::Sphere{{0, 0, 0}, 0.5}};
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  const Contact contact = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(contact.status, Contact::OUT_OF_RANGE);
+  EXPECT_EQ(contact.nearest.lower_bound, 1.5);
+  EXPECT_EQ(contact.instrument_point.x, 10.5);
+  EXPECT_EQ(organs_[0]->costRatio(), 1.0);
+}
+
 TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
   EXPECT_TRUE(cycle_.lookUpTips());

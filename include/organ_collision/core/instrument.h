@@ -44,6 +44,9 @@ Shape transformed(const Shape& shape, const Eigen::Isometry3d& target_from_shape
 /// The box around the shape [m]; of a mesh, the box around its turned box.
 Box boxOf(const Shape& shape);
 
+/// The box around all of them, moved.
+Box boxOf(const Shapes& shapes, const Eigen::Isometry3d& target_from_shapes);
+
 /// Throws std::invalid_argument unless all coordinates are usable (see requireUsable() of a
 /// position), the radius is finite and >= 0, and a mesh has a surface and a finite pose.
 void requireUsable(const Shape& shape);

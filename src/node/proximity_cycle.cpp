@@ -1,0 +1,136 @@
+#include "node/proximity_cycle.h"
+
+#include <organ_collision/Contact.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "convex/tool_proximity.h"
+#include "node/conversions.h"
+
+namespace organ_collision::node {
+namespace {
+
+/// The organ as a shape, in its own frame.
+core::RigidMesh shapeOf(const Organ& organ) {
+  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+  return {{snapshot, &snapshot->organ}, Eigen::Isometry3d::Identity()};
+}
+
+/// Of a pair of which nothing is known but that its distance is at least `lower_bound` [m].
+Proximity unknown(double lower_bound) {
+  Proximity message;
+  message.distance = message.upper_bound = std::numeric_limits<double>::infinity();
+  message.lower_bound = lower_bound;
+  message.triangle_of_first = message.triangle_of_second = -1;
+  return message;
+}
+
+}  // namespace
+
+ProximityCycle::ProximityCycle(const io::Scene& scene, const Instruments& instruments,
+                               const Organs& organs, const tf2::BufferCore& buffer)
+    : scene_(scene), instruments_(instruments), organs_(organs), buffer_(buffer) {
+  const auto frame_of = [&](io::LikePair::Of of, std::size_t i) {
+    return of == io::LikePair::Of::kOrgans ? organs_[i]->frame() : instruments_[i].frame;
+  };
+  for (const io::LikePair& pair : scene_.like_pairs) {
+    tracked_.push_back({pair, PairPose({frame_of(pair.of, pair.first),
+                                        frame_of(pair.of, pair.second), scene_.frame})});
+  }
+}
+
+const std::string& ProximityCycle::nameOf(io::LikePair::Of of, std::size_t i) const {
+  return of == io::LikePair::Of::kOrgans ? organs_[i]->name() : instruments_[i].name;
+}
+
+bool ProximityCycle::lookUp() {
+  bool news = false;
+  for (Tracked& tracked : tracked_) {
+    news = tracked.pose.lookUp(buffer_) || news;
+    if (tracked.pair.of == io::LikePair::Of::kInstruments) continue;
+    const std::array<std::uint32_t, 2> versions = {
+        organs_[tracked.pair.first]->snapshot()->version,
+        organs_[tracked.pair.second]->snapshot()->version};
+    news = news || versions != tracked.versions;
+    tracked.versions = versions;
+  }
+  return news;
+}
+
+core::Box ProximityCycle::boxOfFirst(const Tracked& tracked) const {
+  const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
+  if (tracked.pair.of == io::LikePair::Of::kInstruments)
+    return core::boxOf(instruments_[tracked.pair.first].shapes, pose);
+  return core::boxOf(core::transformed(shapeOf(*organs_[tracked.pair.first]), pose));
+}
+
+core::Box ProximityCycle::boxOfSecond(const Tracked& tracked) const {
+  if (tracked.pair.of == io::LikePair::Of::kInstruments)
+    return core::boxOf(instruments_[tracked.pair.second].shapes, Eigen::Isometry3d::Identity());
+  return organs_[tracked.pair.second]->snapshot()->organ.health().box;
+}
+
+core::Proximity ProximityCycle::measure(const Tracked& tracked,
+                                        const core::Accuracy& accuracy) const {
+  const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
+  const auto& [of, first, second] = tracked.pair;
+  if (of == io::LikePair::Of::kInstruments) {
+    return convex::toolProximity(instruments_[first].shapes, pose, instruments_[second].shapes,
+                                 accuracy);
+  }
+  return core::proximity(core::transformed(shapeOf(*organs_[first]), pose),
+                         shapeOf(*organs_[second]), accuracy);
+}
+
+Proximity ProximityCycle::proximityOf(const Tracked& tracked, const ros::Time& now,
+                                      const core::Accuracy& accuracy) const {
+  Proximity message = unknown(0.0);
+  message.status = Contact::NO_POSE;
+  if (tracked.pose.isKnown()) {
+    const bool is_late = !tracked.pose.complaint(now, scene_.stale_after).empty();
+    const double apart = std::sqrt(squaredDistance(boxOfFirst(tracked), boxOfSecond(tracked)));
+    message = unknown(apart);
+    if (apart <= scene_.max_distance) {
+      const core::Proximity found = measure(tracked, accuracy);
+      message = found.lower_bound > scene_.max_distance
+                    ? unknown(found.lower_bound)
+                    : toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
+    }
+    const bool is_far = message.lower_bound > scene_.max_distance;
+    message.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+    message.stamp = tracked.pose.stamp();
+    message.age = tracked.pose.age(now);
+  }
+  message.first = nameOf(tracked.pair.of, tracked.pair.first);
+  message.second = nameOf(tracked.pair.of, tracked.pair.second);
+  return message;
+}
+
+ProximityArray ProximityCycle::proximities(const ros::Time& now,
+                                           const core::Accuracy& accuracy) const {
+  const auto start = std::chrono::steady_clock::now();
+  ProximityArray array;
+  array.header.frame_id = scene_.frame;
+  for (const Tracked& tracked : tracked_) {
+    array.proximities.push_back(proximityOf(tracked, now, accuracy));
+    array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);
+  }
+  array.computation_time =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return array;
+}
+
+std::vector<Complaint> ProximityCycle::complaints(const ros::Time& now) const {
+  std::vector<Complaint> complaints;
+  for (const Tracked& tracked : tracked_) {
+    const std::string reason = tracked.pose.complaint(now, scene_.stale_after);
+    if (reason.empty()) continue;
+    complaints.push_back({nameOf(tracked.pair.of, tracked.pair.first),
+                          nameOf(tracked.pair.of, tracked.pair.second), reason});
+  }
+  return complaints;
+}
+
+}  // namespace organ_collision::node

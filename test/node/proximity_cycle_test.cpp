@@ -1,0 +1,129 @@
+#include "node/proximity_cycle.h"
+
+#include <gtest/gtest.h>
+#include <organ_collision/Contact.h>
+
+#include <limits>
+
+#include "test_meshes.h"
+
+namespace organ_collision::node {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Two spheres and two unit cubes, without a master.
+class ProximityCycleTest : public testing::Test {
+ protected:
+  ProximityCycleTest() { place("world", "liver", {10, 0, 0}, ros::Time(0), true); }
+
+  void place(const std::string& parent, const std::string& child, const Eigen::Vector3d& at,
+             const ros::Time& stamp, bool is_static = false) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = parent;
+    transform.header.stamp = stamp;
+    transform.child_frame_id = child;
+    transform.transform.translation.x = at.x();
+    transform.transform.translation.y = at.y();
+    transform.transform.translation.z = at.z();
+    transform.transform.rotation.w = 1.0;
+    ASSERT_TRUE(buffer_.setTransform(transform, "test", is_static));
+  }
+
+  ProximityArray proximities(const ros::Time& now) {
+    cycle_.lookUp();
+    return cycle_.proximities(now, {});
+  }
+
+  static io::Scene twoPairs() {
+    io::Scene scene;
+    scene.frame = "world";
+    scene.like_pairs = {{io::LikePair::Of::kInstruments, 0, 1}, {io::LikePair::Of::kOrgans, 1, 0}};
+    return scene;
+  }
+
+  static Organs twoCubes() {
+    Organs organs;
+    organs.push_back(std::make_unique<Organ>("liver", "liver", test::cube()));
+    organs.push_back(std::make_unique<Organ>("stomach", "stomach", test::cube()));
+    return organs;
+  }
+
+  io::Scene scene_ = twoPairs();
+  Instruments instruments_ = {{"left", "left_tip", {core::Sphere{{0, 0, 0}, 0.25}}},
+                              {"right", "right_tip", {core::Sphere{{0, 0, 0}, 0.5}}}};
+  Organs organs_ = twoCubes();
+  tf2::BufferCore buffer_;
+  ProximityCycle cycle_{scene_, instruments_, organs_, buffer_};
+};
+
+TEST_F(ProximityCycleTest, TellsInstrumentsAndOrgansInTheScenesFrame) {
+  place("world", "left_tip", {0, 0, 0}, ros::Time(100.0));
+  place("world", "right_tip", {0, 0, 2}, ros::Time(100.0));
+  place("liver", "stomach", {0, 0, 3}, ros::Time(99.0));
+  const ProximityArray array = proximities(ros::Time(100.01));
+  ASSERT_EQ(array.proximities.size(), 2U);
+  EXPECT_EQ(array.header.frame_id, "world");
+  EXPECT_EQ(array.header.stamp, ros::Time(100.0));
+  const Proximity& tools = array.proximities[0];
+  EXPECT_EQ(tools.first, "left");
+  EXPECT_EQ(tools.second, "right");
+  EXPECT_EQ(tools.status, Contact::OK);
+  EXPECT_EQ(tools.distance, 1.25);
+  EXPECT_EQ(tools.point_on_first.z, 0.25);
+  EXPECT_EQ(tools.point_on_second.z, 1.5);
+  EXPECT_EQ(tools.normal.z, 1.0);
+  EXPECT_EQ(tools.triangle_of_first, -1);
+  EXPECT_FALSE(tools.colliding);
+  const Proximity& organs = array.proximities[1];
+  EXPECT_EQ(organs.first, "stomach");
+  EXPECT_EQ(organs.status, Contact::STALE);
+  EXPECT_EQ(organs.distance, 2.0);
+  EXPECT_EQ(organs.point_on_first.z, 3.0);
+  EXPECT_GE(organs.point_on_first.x, 10.0);
+  EXPECT_GE(organs.triangle_of_first, 0);
+  EXPECT_GE(organs.triangle_of_second, 0);
+}
+
+TEST_F(ProximityCycleTest, SaysNoPoseUntilTheFramesAreThere) {
+  const ProximityArray array = proximities(ros::Time(1.0));
+  for (const Proximity& proximity : array.proximities) {
+    EXPECT_EQ(proximity.status, Contact::NO_POSE);
+    EXPECT_EQ(proximity.distance, kInfinity);
+    EXPECT_EQ(proximity.lower_bound, 0.0);
+    EXPECT_FALSE(proximity.colliding);
+  }
+  ASSERT_EQ(cycle_.complaints(ros::Time(1.0)).size(), 2U);
+  EXPECT_EQ(cycle_.complaints(ros::Time(1.0))[1].second, "liver");
+}
+
+TEST_F(ProximityCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
+  scene_.max_distance = 1.0;
+  place("world", "left_tip", {0, 0, 0}, ros::Time(100.0));
+  place("liver", "stomach", {0, 0, 3}, ros::Time(100.0));
+  place("world", "right_tip", {0, 0, 2}, ros::Time(100.0));  // culled by its box
+  EXPECT_EQ(proximities(ros::Time(100.0)).proximities[0].status, Contact::OUT_OF_RANGE);
+  EXPECT_EQ(proximities(ros::Time(100.0)).proximities[0].lower_bound, 1.25);
+  EXPECT_EQ(proximities(ros::Time(100.0)).proximities[1].lower_bound, 2.0);
+  place("world", "left_tip", {0, 0, 0}, ros::Time(100.1));
+  place("world", "right_tip", {1.4, 0, 1.4}, ros::Time(100.1));  // by what is found
+  const Proximity far = proximities(ros::Time(100.1)).proximities[0];
+  EXPECT_EQ(far.status, Contact::OUT_OF_RANGE);
+  EXPECT_NEAR(far.lower_bound, 1.4 * std::sqrt(2.0) - 0.75, 1e-15);
+  EXPECT_EQ(far.distance, kInfinity);
+}
+
+TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
+  place("liver", "stomach", {0, 0, 3}, ros::Time(100.0));
+  EXPECT_TRUE(cycle_.lookUp());
+  EXPECT_FALSE(cycle_.lookUp());
+  for (const auto& organ : organs_) {
+    organ->update({{7}, {{1, 1, 2}}}, UpdateMode::kAuto, 0);
+    EXPECT_TRUE(cycle_.lookUp());
+    EXPECT_FALSE(cycle_.lookUp());
+  }
+  EXPECT_EQ(cycle_.proximities(ros::Time(100.0), {}).proximities[1].distance, 1.0);
+}
+
+}  // namespace
+}  // namespace organ_collision::node
