@@ -1,0 +1,70 @@
+// A client: asks where the organ is nearest to a point, moves one vertex there outwards, and asks
+// again.
+//   rosrun organ_collision example_client ORGAN FRAME X Y Z
+#include <organ_collision/FindNearestTriangle.h>
+#include <organ_collision/GetMesh.h>
+#include <organ_collision/UpdateMesh.h>
+#include <ros/ros.h>
+
+#include <cstdlib>
+#include <stdexcept>
+
+namespace {
+
+/// Calls a service of the node; a refusal becomes an exception.
+template <class Service>
+void call(const std::string& name, Service& service) {
+  if (!ros::service::waitForService("organ_collision/" + name, 10000) ||
+      !ros::service::call("organ_collision/" + name, service))
+    throw std::runtime_error(name + " does not answer");
+  if (!service.response.success) throw std::runtime_error(name + ": " + service.response.message);
+}
+
+organ_collision::NearestTriangle nearest(const organ_collision::FindNearestTriangle& question) {
+  organ_collision::FindNearestTriangle service = question;
+  call("find_nearest_triangle", service);
+  const auto& answer = service.response.nearest.front();
+  ROS_INFO("version %u: triangle %u is nearest, %.4f m away", service.response.mesh_version,
+           answer.triangle, answer.distance);
+  return answer;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "example_client");
+  if (argc != 6) {
+    ROS_FATAL("usage: example_client ORGAN FRAME X Y Z");
+    return 1;
+  }
+  const ros::NodeHandle node;
+  try {
+    organ_collision::FindNearestTriangle question;
+    question.request.organ = argv[1];
+    question.request.header.frame_id = argv[2];
+    question.request.points.resize(1);
+    question.request.points[0].x = std::atof(argv[3]);
+    question.request.points[0].y = std::atof(argv[4]);
+    question.request.points[0].z = std::atof(argv[5]);
+    const auto before = nearest(question);
+
+    organ_collision::GetMesh mesh;
+    mesh.request.organ = argv[1];
+    call("get_mesh", mesh);
+    const auto vertex = mesh.response.mesh.triangles[before.triangle].vertex_indices[0];
+    const auto& position = mesh.response.mesh.vertices[vertex];
+
+    organ_collision::UpdateMesh update;
+    update.request.organ = argv[1];
+    update.request.header.frame_id = mesh.response.frame_id;
+    update.request.expected_version = mesh.response.mesh_version;
+    update.request.indices = {vertex};
+    update.request.positions = {position.x, position.y, position.z + 0.002};  // 2 mm up
+    call("update_mesh", update);
+    nearest(question);
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}

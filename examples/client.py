@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""A client: tells each contact that comes within a distance, and asks for the triangles around it.
+
+rosrun organ_collision client.py [_alarm:=0.005] [_node:=organ_collision]
+"""
+import rospy
+
+from organ_collision.msg import Contact, ContactArray
+from organ_collision.srv import FindTrianglesWithin, FindTrianglesWithinRequest
+
+
+class Client:
+    def __init__(self):
+        self.alarm = rospy.get_param("~alarm", 0.005)  # [m]
+        node = rospy.get_param("~node", "organ_collision")
+        self.find = rospy.ServiceProxy(node + "/find_triangles_within", FindTrianglesWithin)
+        self.find.wait_for_service()
+        rospy.Subscriber(node + "/contacts", ContactArray, self.hear, queue_size=1)
+
+    def hear(self, array):
+        for contact in array.contacts:
+            if contact.status == Contact.OK and contact.nearest.distance < self.alarm:
+                self.tell(contact, self.around(contact, array.header.frame_id))
+
+    def around(self, contact, frame):
+        """How many triangles are within 5 mm of the nearest point."""
+        request = FindTrianglesWithinRequest(organ=contact.organ, point=contact.nearest.point, radius=0.005)
+        request.header.frame_id = frame  # stamp zero: where the frame is now
+        answer = self.find(request)
+        return len(answer.triangles) if answer.success else answer.message
+
+    def tell(self, contact, triangles):
+        rospy.loginfo_throttle_identical(1.0, "%s %s %s: triangle %d; within 5 mm: %s" % (
+            contact.instrument, "touches" if contact.colliding else "is near", contact.organ,
+            contact.nearest.triangle, triangles))
+
+
+if __name__ == "__main__":
+    rospy.init_node("client")
+    Client()
+    rospy.spin()
