@@ -10,6 +10,7 @@
 #include "node/conversions.h"
 #include "node/markers.h"
 #include "node/scene_loader.h"
+#include "node/scene_report.h"
 #include "organ_collision/core/triangles_within.h"
 
 namespace organ_collision::node {
@@ -105,6 +106,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       private_node.createWallTimer(ros::WallDuration(kDiagnosticPeriod),
                                    [this](const ros::WallTimerEvent&) { diagnostics_.update(); })};
   spinner_.start();
+  for (const std::string& sentence : report(scene_, instruments_, organs_))
+    ROS_INFO("%s", sentence.c_str());
   ROS_INFO("%zu organs, %zu instruments, %zu pairs: ready", scene_.organs.size(),
            scene_.instruments.size(), scene_.pairs.size() + scene_.like_pairs.size());
 }
@@ -325,9 +328,11 @@ void CollisionNode::applyUpdates() {
 void CollisionNode::publishMeshInfo() {
   const std::lock_guard<std::mutex> lock(mesh_info_mutex_);
   MeshInfoArray array;
-  for (const auto& organ : organs_) {
-    array.meshes.push_back(toMessage(*organ));
+  for (std::size_t i = 0; i < organs_.size(); ++i) {
+    array.meshes.push_back(toMessage(*organs_[i]));
     array.meshes.back().header.stamp = ros::Time::now();
+    if (array.meshes.back().last_action == MeshInfo::LOAD)
+      array.meshes.back().reason += " for " + partnersOfOrgan(scene_, i);
   }
   mesh_info_publisher_.publish(array);
 }

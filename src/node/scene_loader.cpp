@@ -52,38 +52,39 @@ std::unique_ptr<Organ> loadOrgan(const io::Organ& description, const io::Scene& 
   ROS_INFO("%s: building the hierarchy of %zu triangles", description.name.c_str(),
            mesh.triangleCount());
   auto organ = std::make_unique<Organ>(description.name, description.frame, std::move(mesh));
-  const std::shared_ptr<const OrganSnapshot> loaded = organ->snapshot();
-  ROS_INFO("%s: ready after %.3f s, depth %zu, %.1f MB", description.name.c_str(),
-           loaded->last_duration, loaded->organ.tree().depth(),
-           1e-6 * static_cast<double>(loaded->organ.memory()));
-  for (const std::string& sentence : core::warnings(loaded->organ.health())) {
+  for (const std::string& sentence : core::warnings(organ->snapshot()->organ.health())) {
     ROS_WARN("%s: %s", description.name.c_str(), sentence.c_str());
   }
   return organ;
 }
 
-core::Shape meshShape(core::TriangleMesh mesh, bool convex) {
-  return core::RigidMesh{std::make_shared<const core::CollisionMesh>(std::move(mesh)),
-                         Eigen::Isometry3d::Identity(), convex};
+/// Adds the time that the hierarchy takes to `build_time` [s].
+core::Shape meshShape(core::TriangleMesh mesh, bool convex, double& build_time) {
+  const ros::WallTime start = ros::WallTime::now();
+  core::RigidMesh shape{std::make_shared<const core::CollisionMesh>(std::move(mesh)),
+                        Eigen::Isometry3d::Identity(), convex};
+  build_time += (ros::WallTime::now() - start).toSec();
+  return shape;
 }
 
 core::Shapes shapesOfLink(const io::Instrument& instrument, const std::string& link,
-                          const io::Scene& scene, const ros::NodeHandle& node) {
+                          const io::Scene& scene, const ros::NodeHandle& node, double& build_time) {
   core::Shapes shapes;
   for (const io::LinkPiece& piece : io::linkPieces(robotDescription(node), link)) {
     const auto* mesh = std::get_if<io::LinkMesh>(&piece);
-    shapes.push_back(mesh != nullptr ? meshShape(load(*mesh, scene), instrument.convex)
+    shapes.push_back(mesh != nullptr ? meshShape(load(*mesh, scene), instrument.convex, build_time)
                                      : std::get<core::Shape>(piece));
   }
   return shapes;
 }
 
 core::Shapes shapesOf(const io::Instrument& instrument, const io::Scene& scene,
-                      const ros::NodeHandle& node) {
+                      const ros::NodeHandle& node, double& build_time) {
   if (const auto* shape = std::get_if<core::Shape>(&instrument.geometry)) return {*shape};
   if (const auto* file = std::get_if<io::MeshFile>(&instrument.geometry))
-    return {meshShape(load(file->url, file->scale, scene), instrument.convex)};
-  return shapesOfLink(instrument, std::get<io::RobotLink>(instrument.geometry).name, scene, node);
+    return {meshShape(load(file->url, file->scale, scene), instrument.convex, build_time)};
+  return shapesOfLink(instrument, std::get<io::RobotLink>(instrument.geometry).name, scene, node,
+                      build_time);
 }
 
 bool isInAPair(const io::Scene& scene, std::size_t instrument) {
@@ -131,10 +132,10 @@ Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node)
   Instruments instruments;
   for (const io::Instrument& instrument : scene.instruments) {
     const std::size_t i = instruments.size();
-    instruments.push_back({instrument.name, instrument.frame, {}});
+    instruments.push_back({instrument.name, instrument.frame, {}, 0.0});
     if (!isInAPair(scene, i)) continue;
     try {
-      instruments.back().shapes = shapesOf(instrument, scene, node);
+      instruments.back().shapes = shapesOf(instrument, scene, node, instruments.back().build_time);
     } catch (const std::exception& error) {
       throw std::runtime_error(pathOf("instruments", i, instrument) + ": " + error.what());
     }

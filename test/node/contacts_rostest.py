@@ -177,6 +177,11 @@ class Contacts(unittest.TestCase):
         finally:
             timer.shutdown()
 
+    def test_a_scene_without_pairs_of_a_kind_has_no_proximities(self):
+        topics = [topic for topic, _ in rospy.get_published_topics()]
+        self.assertIn("/organ_collision/contacts", topics)
+        self.assertNotIn("/organ_collision/proximities", topics)
+
 
 if __name__ == "__main__":
     run(Contacts)

@@ -7,7 +7,7 @@ import rospy
 from geometry_msgs.msg import Point
 from rostest_support import PATIENCE, TOLERANCE, Frames, Inbox, ContactsInbox, Pose, Services, coordinates, run
 
-from organ_collision.msg import Contact, ProximityArray
+from organ_collision.msg import Contact, MeshInfoArray, ProximityArray
 from organ_collision.srv import FindTrianglesWithin, FindTrianglesWithinRequest
 
 BALL, SHAFT = 0.01, 0.005  # [m] the radii of scenes.test
@@ -107,6 +107,11 @@ class Scenes(unittest.TestCase):
         far = proximities["shaft", "ball"]
         self.assertEqual((far.status, far.distance, far.colliding), (Contact.OUT_OF_RANGE, np.inf, False))
         self.assertAlmostEqual(far.lower_bound, 0.9 - BALL - SHAFT, delta=TOLERANCE)
+
+    def test_mesh_info_tells_for_whom_an_organ_was_built(self):
+        info = rospy.wait_for_message("organ_collision/mesh_info", MeshInfoArray, PATIENCE)
+        self.assertEqual([mesh.reason for mesh in info.meshes],
+                         ["loaded for ball, shaft, jaw, gallbladder", "loaded for liver"])
 
     def within(self, **fields):
         request = FindTrianglesWithinRequest(organ="liver", **fields)
