@@ -31,7 +31,7 @@ bool isGoodEnough(const NearestTriangle& nearest, double radius, const Accuracy&
 
 NearestTriangle nearestWithin(const CollisionMesh& organ, const RoundShape& shape,
                               const Accuracy& accuracy) {
-  const NearestTriangle nearest = nearestToCore(organ, shape.core, accuracy);
+  NearestTriangle nearest = nearestToCore(organ, shape.core, accuracy);
   if (isGoodEnough(nearest, shape.radius, accuracy)) return nearest;
   const double allowed =
       accuracy.max_relative_error * std::max(0.0, nearest.lower_bound - shape.radius);

@@ -76,7 +76,7 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
 }
 
 Eigen::Isometry3d origin(const std::string& link, const urdf::Collision& collision) {
-  const Eigen::Isometry3d origin = isometry(collision.origin);
+  Eigen::Isometry3d origin = isometry(collision.origin);
   if (!origin.matrix().allFinite()) refuse(link, "the origin of its <collision> is not finite");
   return origin;
 }
