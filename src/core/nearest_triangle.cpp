@@ -68,7 +68,10 @@ class NearestSearch : private Search {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
     packets = tree.packets().data();
+    Eigen::Vector3d last = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (const Eigen::Vector3d& corner : tip.corners()) {
+      if (corner == last) continue;  // a segment or a point
+      last = corner;
       const Eigen::Vector3d unit = tree.frame()(corner);
       corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
       beyond_ = beyond_ || !(unit.cwiseAbs().maxCoeff() < kBeyond);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/gap.h"
 #include "core/lane_vector.h"
 #include "core/search.h"
 
@@ -156,7 +157,8 @@ inline void fetch(const T* item) {
     __builtin_prefetch(reinterpret_cast<const char*>(item) + i);
 }
 
-template <class Real, bool kIsPoint>
+/// Of a tip of one, two or three corners.
+template <class Real, std::uint32_t kCorners>
 class Walk {
  public:
   explicit Walk(Search& search) : search_(search) { look(); }
@@ -185,6 +187,7 @@ class Walk {
   }
 
  private:
+  static constexpr bool kIsPoint = kCorners == 1;
   static constexpr std::uint32_t kMostCandidates = 16;
 
   void look() {
@@ -221,13 +224,24 @@ class Walk {
     return farthest;
   }
 
+  Lanes<Real> boundsOf(const WideNode& node) const {
+    const auto turn = [&node](const Vector<Real>& v) { return turned(node, v); };
+    const LaneVector<Real> boxes_low = load<Real>(node.low);
+    const LaneVector<Real> boxes_high = load<Real>(node.high);
+    Vector<Real> low, high;
+    const Real farthest = tipBox(node.origin, turn, low, high);
+    const Lanes<Real> rounding = Lanes<Real>::all(roundingOf(farthest, node.radius));
+    const Lanes<Real> distances = distanceOf(boxes_low, boxes_high, low, high) - rounding;
+    if constexpr (kCorners != 2) return distances;
+    const Lanes<Real> gaps =
+        gapToBoxes(turn(relative<Real>(search_.corners[0], node.origin)),
+                   turn(relative<Real>(search_.corners[1], node.origin)), boxes_low, boxes_high);
+    return larger(distances, gaps - (rounding + rounding));
+  }
+
   /// Puts the children that matter on the stack, the nearest on top.
   Waiting* open(const WideNode& node, Waiting* top) {
-    Vector<Real> low, high;
-    const Real farthest = tipBox(
-        node.origin, [&node](const Vector<Real>& v) { return turned(node, v); }, low, high);
-    const Lanes<Real> bounds = distanceOf(load<Real>(node.low), load<Real>(node.high), low, high) -
-                               Lanes<Real>::all(roundingOf(farthest, node.radius));
+    const Lanes<Real> bounds = boundsOf(node);
     search_.bounds += node.lane_count;
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
     leaveOut(!matter, bounds);  // lanes that are not in use repeat others
@@ -262,19 +276,12 @@ class Walk {
     if constexpr (kIsPoint) {
       return distanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
     } else {
-      const LaneVector<Real> a = load<Real>(packet.corner);
-      const LaneVector<Real> b = a + load<Real>(packet.edge1);
-      const LaneVector<Real> c = a + load<Real>(packet.edge2);
-      const auto least = [](const auto& x, const auto& y, const auto& z) {
-        return smaller(smaller(x, y), z);
-      };
-      const auto most = [](const auto& x, const auto& y, const auto& z) {
-        return larger(larger(x, y), z);
-      };
-      return {distanceOf<Real>({least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)},
-                               {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)}, low,
-                               high),
-              Lanes<Real>::all(Real{kFloatInfinity})};
+      Vector<Real> tip[kCorners];
+      for (std::uint32_t i = 0; i < kCorners; ++i)
+        tip[i] = relative<Real>(search_.corners[i], packet.origin);
+      const Gap<Real> gap = gapToTriangles(tip, packet);
+      rounding = rounding + rounding;
+      return {gap.low, gap.high};
     }
   }
 
@@ -311,7 +318,6 @@ class Walk {
       if (candidate_count_ == kMostCandidates) measureCandidates();
       candidates_[candidate_count_++] = {boundInFloat(bound[lane]), packet.first_leaf + lane};
     }
-    if constexpr (!kIsPoint) measureCandidates();
   }
 
   /// Measures exactly what still may be nearest.
@@ -348,18 +354,24 @@ class Walk {
 // Beyond this many sizes of the organ, single precision tells its parts no longer apart.
 constexpr double kFar = 8.0;
 
+template <class Real>
+inline void walkAs(Search& search) {
+  if (search.corner_count == 1) Walk<Real, 1>(search).run();
+  if (search.corner_count == 2) Walk<Real, 2>(search).run();
+  if (search.corner_count == 3) Walk<Real, 3>(search).run();
+}
+
 inline void walk(Search& search) {
   double farthest = 0.0;
   for (std::uint32_t i = 0; i < search.corner_count; ++i)
     for (const double coordinate :
          {search.corners[i][0], search.corners[i][1], search.corners[i][2]})
       farthest = magnitudeOf(coordinate) > farthest ? magnitudeOf(coordinate) : farthest;
-  const bool near = farthest < kFar;
-  const bool point = search.corner_count == 1;
-  if (near && point) Walk<float, true>(search).run();
-  if (near && !point) Walk<float, false>(search).run();
-  if (!near && point) Walk<double, true>(search).run();
-  if (!near && !point) Walk<double, false>(search).run();
+  if (farthest < kFar) {
+    walkAs<float>(search);
+  } else {
+    walkAs<double>(search);
+  }
 }
 
 }  // namespace

@@ -265,6 +265,25 @@ TEST(Contact, OfRoundShapesEqualsBruteForceBitForBit) {
   }
 }
 
+/// From grazing to where squares of distances underflow in single precision.
+TEST(Contact, OfTipsThatAlmostTouchEqualsBruteForceBitForBit) {
+  std::mt19937 generator(79);
+  for (const CollisionMesh& organ : test::organs()) {
+    const double size = (organ.health().box.high - organ.health().box.low).maxCoeff();
+    for (std::size_t i = 0; i < test::queryCount(150); ++i) {
+      const double step = std::ldexp(size, -static_cast<int>(generator() % 160));
+      const Vector3d a =
+          organ.mesh().position(VertexId(generator() % 3)) + test::randomPoint(generator, step);
+      const Vector3d b = a + test::randomPoint(generator, generator() % 2 == 0 ? step : size);
+      const Vector3d c = a + test::randomPoint(generator, generator() % 2 == 0 ? step : size);
+      for (const Triangle& tip : {Triangle{a, b, b}, Triangle{a, b, c}}) {
+        const double squared = test::squaredDistanceByBruteForce(organ.mesh(), tip);
+        ASSERT_EQ(std::abs(contact(organ, tip).nearest.distance), std::sqrt(squared));
+      }
+    }
+  }
+}
+
 TEST(Contact, HasItsPointOnTheSurfaceOfTheShapeAtTheDistanceToldFromTheOrgans) {
   std::mt19937 generator(72);
   for (const CollisionMesh& organ : test::organs()) {
