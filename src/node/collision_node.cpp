@@ -90,7 +90,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
 
-  updater_ = std::thread(&CollisionNode::applyUpdates, this);
+  for (const auto& organ : organs_) organ->setSignal(organs_wait_);
+  updater_ = std::thread(&CollisionNode::updateOrgans, this);
   mesh_update_subscriber_ =
       private_node.subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
                              ros::TransportHints().tcpNoDelay());
@@ -114,11 +115,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
 
 CollisionNode::~CollisionNode() {
   spinner_.stop();
-  {
-    const std::lock_guard<std::mutex> lock(updates_mutex_);
-    stopping_ = true;
-  }
-  updates_came_.notify_one();
+  stopping_ = true;
+  organs_wait_->raise();
   updater_.join();
 }
 
@@ -231,6 +229,7 @@ bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
       core::requireUsable(point, "point", i);
       const core::NearestTriangle nearest =
           core::nearestTriangle(snapshot->organ, organ_from_points * point, accuracy);
+      organ.account(nearest, accuracy);
       response.nearest.push_back(toMessage(nearest, points_from_organ));
     }
   });
@@ -263,16 +262,16 @@ bool CollisionNode::updateMesh(UpdateMesh::Request& request, UpdateMesh::Respons
       throw std::invalid_argument("mode is " + std::to_string(request.mode) +
                                   ": AUTO is 0, REFIT 1, REBUILD 2");
     }
-    const auto applied =
+    const Organ::Applied applied =
         request.triangles.empty()
             ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
                            request.expected_version)
             : organ.replace(meshFrom(request), request.expected_version);
     publishMeshInfo();
-    response.message = applied->reason;
-    response.mesh_version = applied->version;
-    response.action = static_cast<std::uint8_t>(applied->last_action);
-    response.duration = applied->last_duration;
+    response.message = applied.reason;
+    response.mesh_version = applied.version;
+    response.action = static_cast<std::uint8_t>(applied.action);
+    response.duration = applied.duration;
   });
 }
 
@@ -304,24 +303,15 @@ void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
     publishMeshInfo();
     throw;
   }
-  {
-    const std::lock_guard<std::mutex> lock(updates_mutex_);
-    updates_wait_ = true;
-  }
-  updates_came_.notify_one();
 }
 
-void CollisionNode::applyUpdates() {
+void CollisionNode::updateOrgans() {
   while (true) {
-    {
-      std::unique_lock<std::mutex> lock(updates_mutex_);
-      updates_came_.wait(lock, [this] { return updates_wait_ || stopping_; });
-      if (stopping_) return;
-      updates_wait_ = false;
-    }
-    bool applied = false;
-    for (const auto& organ : organs_) applied = organ->applyEnqueued() || applied;
-    if (applied) publishMeshInfo();
+    organs_wait_->wait();
+    if (stopping_) return;
+    bool changed = false;
+    for (const auto& organ : organs_) changed = organ->work() || changed;
+    if (changed) publishMeshInfo();
   }
 }
 
@@ -370,6 +360,10 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     const Organ::Counters counters = organ->counters();
     status.add(organ->name() + " mesh version", snapshot->version);
     status.add(organ->name() + " last action", snapshot->reason);
+    const Organ::Builds builds = organ->builds();
+    status.add(organ->name() + " builds", builds.count);
+    status.add(organ->name() + " last build", builds.reason);
+    status.add(organ->name() + " since then", builds.figures);
     status.add(organ->name() + " cost ratio", organ->costRatio());
     status.add(organ->name() + " updates merged", counters.updates_merged);
     status.add(organ->name() + " updates lost", counters.updates_lost);

@@ -14,20 +14,23 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include <condition_variable>
+#include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 
 #include "node/contact_cycle.h"
 #include "node/proximity_cycle.h"
+#include "node/signal.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
 
 /// The ROS node. Three kinds of threads: run() hears tf and publishes contacts; the spinner's
-/// threads answer services and take in updates; one thread refits the organs to what was streamed.
+/// threads answer services and take in updates; one thread refits the organs to what was streamed
+/// and swaps in what was rebuilt in the background.
 /// They meet in the organs' snapshots only.
 class CollisionNode {
  public:
@@ -60,7 +63,7 @@ class CollisionNode {
   bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
   void takeMeshUpdate(const MeshUpdate& update);
   void enqueue(Organ& organ, const MeshUpdate& update);
-  void applyUpdates();
+  void updateOrgans();
   void publishMeshInfo();
   void publishMarkers();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -93,10 +96,8 @@ class CollisionNode {
   std::map<std::string, std::uint32_t> drawn_versions_;
   ros::WallTime surfaces_drawn_;
 
-  std::mutex updates_mutex_;
-  std::condition_variable updates_came_;
-  bool updates_wait_ = false;
-  bool stopping_ = false;
+  const std::shared_ptr<Signal> organs_wait_ = std::make_shared<Signal>();  // for updater_
+  std::atomic<bool> stopping_{false};
   std::thread updater_;
 
   ros::Subscriber mesh_update_subscriber_;

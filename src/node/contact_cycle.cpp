@@ -57,7 +57,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const PairPose& pose, cons
   }
   const core::Contact found =
       core::contact(snapshot->organ, instrument.shapes, pose.secondFromFirst(), accuracy);
-  organ.account(*snapshot, found.nearest.work);
+  organ.account(found.nearest, accuracy);
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);
   if (found.nearest.lower_bound > scene_.max_distance) {
     if (!is_late) contact.status = Contact::OUT_OF_RANGE;

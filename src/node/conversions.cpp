@@ -22,6 +22,13 @@ core::Points pointsFrom(const std::vector<Number>& coordinates) {
   return points;
 }
 
+std::vector<core::VertexId> vertexIds(const std::vector<std::uint32_t>& indices) {
+  std::vector<core::VertexId> ids;
+  ids.reserve(indices.size());
+  for (const std::uint32_t index : indices) ids.push_back(core::VertexId{index});
+  return ids;
+}
+
 /// The message does not tell the corners apart: they are numbered by the weights.
 std::uint8_t featureFrom(core::Feature feature) {
   switch (feature) {
@@ -137,7 +144,7 @@ MeshInfo toMessage(const Organ& organ) {
 }
 
 VertexMoves movesFrom(const MeshUpdate& update) {
-  return {update.indices, pointsFrom(update.positions)};
+  return {vertexIds(update.indices), pointsFrom(update.positions)};
 }
 
 VertexMoves movesFrom(const UpdateMesh::Request& request) {
@@ -145,7 +152,7 @@ VertexMoves movesFrom(const UpdateMesh::Request& request) {
     throw std::invalid_argument(std::to_string(request.indices.size()) +
                                 " indices given without positions");
   }
-  return {request.indices, pointsFrom(request.positions)};
+  return {vertexIds(request.indices), pointsFrom(request.positions)};
 }
 
 core::TriangleMesh meshFrom(const UpdateMesh::Request& request) {

@@ -1,83 +1,103 @@
 #include "node/organ.h"
 
-#include <algorithm>
 #include <chrono>
+#include <exception>
 #include <stdexcept>
 #include <utility>
 
-namespace organ_collision::node {
-namespace {
+#include "node/stopwatch.h"
 
-class Stopwatch {
- public:
-  /// [s]
-  double elapsed() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+namespace organ_collision::node {
+
+/// A hierarchy that was built, and what the policies must know of it.
+struct Organ::Build {
+  explicit Build(core::TriangleMesh mesh) : organ(std::move(mesh)) {
+    cost = watch.elapsed();
+    organ.refit(organ.mesh().positions());
+    refit_cost = watch.elapsed() - cost;
   }
 
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  CostStopwatch watch;
+  core::CollisionMesh organ;
+  double cost;        // [s]
+  double refit_cost;  // [s] of a full one
 };
 
-void requireFitting(const VertexMoves& moves, std::size_t vertex_count) {
-  const std::size_t wanted = moves.vertices.empty() ? vertex_count : moves.vertices.size();
-  if (moves.positions.size() != wanted) {
-    throw std::invalid_argument(std::to_string(moves.positions.size()) + " positions given for " +
-                                std::to_string(wanted) + " vertices");
-  }
-  std::vector<bool> named(vertex_count, false);
-  for (const std::uint32_t vertex : moves.vertices) {
-    if (vertex >= vertex_count) {
-      throw std::invalid_argument("index " + std::to_string(vertex) +
-                                  " names no vertex: there are " + std::to_string(vertex_count));
+/// Splits that are made anew in the background. Until `done`, the background thread's alone.
+struct Organ::Rebuild {
+  Rebuild(std::shared_ptr<const OrganSnapshot> from, std::string why, std::uint64_t to_serve)
+      : source(std::move(from)),
+        reason(std::move(why)),
+        serves(to_serve),
+        done(finished.get_future()) {}
+
+  void run() {
+    try {
+      const Stopwatch watch;
+      const CostStopwatch cost_watch;
+      organ = source->organ;
+      organ->rebuild();
+      duration = watch.elapsed();
+      cost = cost_watch.elapsed();
+      finished.set_value();
+    } catch (...) {
+      finished.set_exception(std::current_exception());
     }
-    if (named[vertex])
-      throw std::invalid_argument("index " + std::to_string(vertex) + " is given twice");
-    named[vertex] = true;
   }
-  for (std::size_t i = 0; i < moves.positions.size(); ++i) {
-    core::requireUsable(moves.positions[i], "vertex",
-                        moves.vertices.empty() ? i : moves.vertices[i]);
-  }
-}
 
-/// REQUIRES: the moves fit.
-void apply(const VertexMoves& moves, core::Points& positions) {
-  if (moves.vertices.empty()) {
-    positions = moves.positions;
-    return;
-  }
-  for (std::size_t i = 0; i < moves.vertices.size(); ++i)
-    positions[moves.vertices[i]] = moves.positions[i];
-}
-
-}  // namespace
+  std::shared_ptr<const OrganSnapshot> source;
+  const std::string reason;
+  const std::uint64_t serves;  // the last request that it serves
+  std::optional<core::CollisionMesh> organ;
+  double duration = 0.0;  // [s]
+  double cost = 0.0;      // [s] of that on a processor
+  std::promise<void> finished;
+  const std::shared_future<void> done;
+};
 
 Organ::Organ(std::string name, std::string frame, core::TriangleMesh mesh)
-    : name_(std::move(name)), frame_(std::move(frame)), latest_(mesh.positions()) {
-  const Stopwatch watch;
-  OrganSnapshot loaded = {core::CollisionMesh(std::move(mesh)), 1, Action::kLoad, "loaded", 0.0};
-  loaded.last_duration = watch.elapsed();
-  publish(std::move(loaded));
-}
+    : Organ(std::move(name), std::move(frame), Build(std::move(mesh))) {}
 
-std::shared_ptr<const OrganSnapshot> Organ::snapshot() const {
-  const std::lock_guard<std::mutex> lock(snapshot_mutex_);
-  return snapshot_;
-}
+Organ::Organ(std::string name, std::string frame, Build loaded)
+    : name_(std::move(name)),
+      frame_(std::move(frame)),
+      snapshots_({std::move(loaded.organ), 1, Action::kLoad, "loaded", loaded.cost}),
+      pending_(snapshot()->organ.mesh().positions().size()),
+      log_(snapshot()->organ.mesh().positions().size(), 1),
+      refit_policy_(loaded.refit_cost),
+      rebuild_policy_(loaded.cost),
+      as_built_(snapshot()) {}
 
 Organ::Counters Organ::counters() const {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   return counters_;
 }
 
-std::shared_ptr<const OrganSnapshot> Organ::publish(OrganSnapshot next) {
-  openAccount(next.last_action);
-  auto published = std::make_shared<const OrganSnapshot>(std::move(next));
-  std::shared_ptr<const OrganSnapshot> former = published;
-  const std::lock_guard<std::mutex> lock(snapshot_mutex_);
-  snapshot_.swap(former);  // if nobody reads it, it is freed after the lock
-  return published;
+void Organ::countLostUpdate() {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  ++counters_.updates_lost;
+}
+
+void Organ::enqueue(VertexMoves moves) {
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    addToPending(std::move(moves));
+  }
+  signal_->raise();
+}
+
+/// REQUIRES: queue_mutex_ is held.
+void Organ::addToPending(VertexMoves moves) {
+  const bool merges = !pending_.empty();
+  pending_.add(std::move(moves));
+  if (merges) ++counters_.updates_merged;
+}
+
+/// All that waits, `moves` included.
+VertexMoves Organ::takePendingWith(VertexMoves moves) {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  addToPending(std::move(moves));
+  return pending_.take();
 }
 
 void Organ::requireVersion(std::uint32_t expected_version) const {
@@ -88,125 +108,181 @@ void Organ::requireVersion(std::uint32_t expected_version) const {
                               std::to_string(version));
 }
 
-std::shared_ptr<const OrganSnapshot> Organ::update(const VertexMoves& moves, UpdateMode mode,
-                                                   std::uint32_t expected_version) {
-  const std::lock_guard<std::mutex> building(building_);
-  applyEnqueuedWhileBuilding();
-  requireVersion(expected_version);
+Organ::Applied Organ::update(VertexMoves moves, UpdateMode mode, std::uint32_t expected_version) {
   const Stopwatch watch;
-  OrganSnapshot next = *snapshot();
-  const bool moved = !moves.positions.empty();
-  if (moved) {
-    next.organ.refit(accept(moves));
-    ++next.version;
+  Lock building(building_);
+  finishRebuild();
+  applyPending();
+  requireVersion(expected_version);
+  Applied applied = {snapshot()->version, Action::kNone, "no vertex moved", 0.0};
+  if (!moves.none()) {
+    applyMoves(takePendingWith(std::move(moves)), "");
+    const std::shared_ptr<const OrganSnapshot> now = snapshot();
+    applied = {now->version, now->last_action, now->reason, 0.0};
+  }
+  if (mode == UpdateMode::kAuto) {
+    rebuildIfDue();
+    if (rebuild_) applied.reason += "; rebuilding in the background: " + rebuild_->reason;
   }
   if (mode == UpdateMode::kRebuild) {
-    next.organ.rebuild();
-    next.last_action = Action::kRebuild;
-    next.reason = "asked for";
-  } else {
-    next.last_action = moved ? Action::kRefit : Action::kNone;
-    next.reason =
-        moved ? std::to_string(moves.positions.size()) + " vertices moved" : "no vertex moved";
+    rebuildAndWait(building);
+    applied.action = Action::kRebuild;
+    applied.reason = "asked for";
   }
-  next.last_duration = watch.elapsed();
-  if (next.last_action == Action::kNone) {
-    return std::make_shared<const OrganSnapshot>(std::move(next));
-  }
-  return publish(std::move(next));
+  applied.duration = watch.elapsed();
+  return applied;
 }
 
-std::shared_ptr<const OrganSnapshot> Organ::replace(core::TriangleMesh mesh,
-                                                    std::uint32_t expected_version) {
-  const std::lock_guard<std::mutex> building(building_);
-  applyEnqueuedWhileBuilding();
+Organ::Applied Organ::replace(core::TriangleMesh mesh, std::uint32_t expected_version) {
+  const Stopwatch watch;
+  requireVersion(expected_version);  // before anybody works in vain
+  Build built(std::move(mesh));
+  const Lock building(building_);
+  applyPending();
   requireVersion(expected_version);
-  const Stopwatch watch;
-  const std::uint32_t version = snapshot()->version + 1;
-  core::Points positions = mesh.positions();
-  OrganSnapshot next = {core::CollisionMesh(std::move(mesh)), version, Action::kRebuild,
-                        "new topology", 0.0};
-  next.last_duration = watch.elapsed();
+  const std::shared_ptr<const OrganSnapshot> former = snapshot();
+  const std::uint32_t version = former->version + 1;
+  const std::size_t vertex_count = built.organ.mesh().positions().size();
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    latest_ = std::move(positions);
-    if (enqueued_) ++counters_.updates_lost;  // it was meant for the former topology
-    enqueued_ = false;
+    if (!pending_.empty()) ++counters_.updates_lost;  // it was meant for the former topology
+    pending_ = PendingMoves(vertex_count);
   }
-  return publish(std::move(next));
+  log_ = MoveLog(vertex_count, version);
+  refit_policy_ = RefitPolicy(built.refit_cost);
+  Applied applied = {version, Action::kRebuild, "new topology", watch.elapsed()};
+  publishBuilt({std::move(built.organ), version, applied.action, applied.reason, applied.duration,
+                former->hierarchy + 1},
+               built.cost);
+  return applied;
 }
 
-core::Points Organ::accept(const VertexMoves& moves) {
-  const std::lock_guard<std::mutex> lock(queue_mutex_);
-  requireFitting(moves, latest_.size());
-  apply(moves, latest_);
-  enqueued_ = false;  // what came meanwhile is in latest_ too
-  return latest_;
+bool Organ::work() {
+  const Lock building(building_);
+  const bool rebuilt = finishRebuild();
+  const bool moved = applyPending();
+  rebuildIfDue();
+  return rebuilt || moved;
 }
 
-void Organ::enqueue(const VertexMoves& moves) {
-  const std::lock_guard<std::mutex> lock(queue_mutex_);
-  requireFitting(moves, latest_.size());
-  apply(moves, latest_);
-  if (enqueued_) ++counters_.updates_merged;
-  enqueued_ = true;
-}
-
-void Organ::countLostUpdate() {
-  const std::lock_guard<std::mutex> lock(queue_mutex_);
-  ++counters_.updates_lost;
-}
-
-bool Organ::applyEnqueued() {
-  const std::lock_guard<std::mutex> building(building_);
-  return applyEnqueuedWhileBuilding();
-}
-
-bool Organ::applyEnqueuedWhileBuilding() {
-  const Stopwatch watch;
-  core::Points positions;
+bool Organ::applyPending() {
+  VertexMoves moves;
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (!enqueued_) return false;
-    positions = latest_;
-    enqueued_ = false;
+    moves = pending_.take();
   }
-  OrganSnapshot next = *snapshot();
-  next.organ.refit(std::move(positions));
-  ++next.version;
-  next.last_action = Action::kRefit;
-  next.reason = "streamed";
-  next.last_duration = watch.elapsed();
-  publish(std::move(next));
+  if (moves.none()) return false;
+  applyMoves(moves, "streamed: ");
   return true;
 }
 
-void Organ::account(const OrganSnapshot& snapshot, const core::SearchWork& work) {
-  const bool as_built =
-      snapshot.last_action == Action::kLoad || snapshot.last_action == Action::kRebuild;
-  const std::lock_guard<std::mutex> lock(account_mutex_);
-  for (Account* account : {&current_, as_built ? &fresh_ : nullptr}) {
-    if (account == nullptr) continue;
-    ++account->queries;
-    account->work += work.bounds + work.triangles;
+void Organ::applyMoves(const VertexMoves& moves, const std::string& origin) {
+  const Stopwatch watch;
+  std::unique_ptr<OrganSnapshot> next = snapshots_.writable();
+  const Refit refit = catchUp(*next, moves);
+  next->version = snapshot()->version + 1;
+  next->last_action = refit.action;
+  next->reason = origin + std::to_string(moves.positions.size()) + " of " +
+                 std::to_string(next->organ.mesh().positions().size()) + " vertices moved" +
+                 refit.figures;
+  next->last_duration = watch.elapsed();
+  log_.record(next->version, moves);
+  snapshots_.publish(std::move(next));
+}
+
+/// Takes `state`, of whatever version, to the latest positions and from there by `moves`.
+Organ::Refit Organ::catchUp(OrganSnapshot& state, const VertexMoves& moves) {
+  const std::shared_ptr<const OrganSnapshot> now = snapshot();
+  const core::Points& latest = now->organ.mesh().positions();
+  const CostStopwatch watch;
+  const VertexMoves missed = log_.since(state.version, moves, latest);
+  if (missed.none()) return {Action::kNone, ""};
+  if (missed.whole()) {
+    state.organ.refit(missed.positions);
+    refit_policy_.recordFull(std::nullopt, watch.elapsed());
+    return {Action::kRefit, ""};
+  }
+  const std::size_t count = missed.vertices.size();
+  const std::string figures = ": " + refit_policy_.figures(count);
+  if (refit_policy_.prefersPartial(count)) {
+    state.organ.refit(missed.vertices, missed.positions);
+    refit_policy_.recordPartial(count, watch.elapsed());
+    return {Action::kPartialRefit, figures};
+  }
+  state.organ.refit(moved(latest, missed));
+  refit_policy_.recordFull(count, watch.elapsed());
+  return {Action::kRefit, figures};
+}
+
+void Organ::publishBuilt(OrganSnapshot next, double cost) {
+  rebuild_policy_.recordRebuild(cost);
+  as_built_ = snapshots_.publish(std::make_unique<OrganSnapshot>(std::move(next)));
+  cost_ratio_ = 1.0;
+}
+
+void Organ::account(const core::NearestTriangle& answer, const core::Accuracy& accuracy) {
+  if (questions_.add({answer.tip_point, accuracy})) signal_->raise();
+}
+
+void Organ::rebuildIfDue() {
+  const std::optional<RecentQuestions::Asked> asked = questions_.take();
+  const std::shared_ptr<const OrganSnapshot> now = snapshot();
+  if (!asked || now->version == as_built_->version) return;
+  const std::optional<Wear> wear = measureWear(asked->sample, now->organ, as_built_->organ);
+  if (!wear) return;
+  cost_ratio_ = wear->work_ratio;
+  rebuild_policy_.recordQueries(asked->count, *wear);
+  if (rebuild_policy_.isDue()) startRebuild(rebuild_policy_.figures());
+}
+
+/// Unless one is under way.
+void Organ::startRebuild(const std::string& reason) {
+  if (rebuild_) return;
+  rebuild_ = std::make_shared<Rebuild>(snapshot(), reason, rebuilds_asked_);
+  background_->run([rebuild = rebuild_, signal = signal_] {
+    rebuild->run();
+    signal->raise();
+  });
+}
+
+/// Swaps in a rebuild that is ready; false if none is.
+bool Organ::finishRebuild() {
+  using std::chrono::seconds;
+  if (!rebuild_ || rebuild_->done.wait_for(seconds(0)) != std::future_status::ready) return false;
+  const Stopwatch watch;
+  const std::shared_ptr<Rebuild> rebuilt = std::exchange(rebuild_, nullptr);
+  // Let go here: where queries let go of theirs, the background thread must not.
+  const std::shared_ptr<const OrganSnapshot> source = std::move(rebuilt->source);
+  rebuilt->done.get();  // throws what went wrong
+  const std::shared_ptr<const OrganSnapshot> now = snapshot();
+  if (&source->organ.topology() != &now->organ.topology()) return false;  // replaced meanwhile
+  OrganSnapshot next = {
+      std::move(*rebuilt->organ), source->version, Action::kRebuild, rebuilt->reason, 0.0,
+      now->hierarchy + 1};
+  catchUp(next, {});
+  next.version = now->version;
+  next.last_duration = rebuilt->duration + watch.elapsed();
+  publishBuilt(std::move(next), rebuilt->cost);
+  rebuilds_served_ = rebuilt->serves;
+  return true;
+}
+
+/// Lets go of the lock while waiting.
+void Organ::rebuildAndWait(Lock& building) {
+  const std::uint64_t request = ++rebuilds_asked_;
+  while (rebuilds_served_ < request) {
+    startRebuild("asked for");
+    const std::shared_future<void> done = rebuild_->done;
+    building.unlock();
+    done.wait();
+    building.lock();
+    finishRebuild();
   }
 }
 
-void Organ::openAccount(Action action) {
-  const std::lock_guard<std::mutex> lock(account_mutex_);
-  if (current_.queries > 0) last_ = current_;
-  current_ = {};
-  if (action == Action::kLoad || action == Action::kRebuild) fresh_ = last_ = {};
-}
-
-double Organ::costRatio() const {
-  const std::lock_guard<std::mutex> lock(account_mutex_);
-  const Account& late = current_.queries > 0 ? current_ : last_;
-  if (late.queries == 0 || fresh_.queries == 0) return 1.0;
-  const auto mean = [](const Account& account) {
-    return static_cast<double>(account.work) / static_cast<double>(account.queries);
-  };
-  return mean(late) / mean(fresh_);
+Organ::Builds Organ::builds() const {
+  const Lock building(building_);
+  return {as_built_->hierarchy, as_built_->reason, rebuild_policy_.figures()};
 }
 
 }  // namespace organ_collision::node

@@ -1,42 +1,32 @@
 #pragma once
 
-#include <cstddef>
+#include <atomic>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
-#include <vector>
 
+#include "node/background_thread.h"
+#include "node/signal.h"
+#include "node/snapshots.h"
+#include "node/update_policy.h"
+#include "node/vertex_moves.h"
+#include "node/wear.h"
 #include "organ_collision/core/collision_mesh.h"
 #include "organ_collision/core/nearest_triangle.h"
 
 namespace organ_collision::node {
 
-/// What last happened to a mesh; the numbers are those of the message MeshInfo.
-enum class Action : std::uint8_t { kLoad, kRefit, kPartialRefit, kRebuild, kNone };
-
 /// How the caller wants the hierarchy updated; the numbers are those of the service UpdateMesh.
 enum class UpdateMode : std::uint8_t { kAuto, kRefit, kRebuild };
 
-/// One state of an organ. Queries read it, nobody changes it.
-struct OrganSnapshot {
-  core::CollisionMesh organ;
-  std::uint32_t version;  ///< accepted geometry, counted from 1
-  Action last_action;
-  std::string reason;    ///< of that action
-  double last_duration;  ///< [s] that it took
-};
-
-/// New positions of some vertices.
-struct VertexMoves {
-  std::vector<std::uint32_t> vertices;  ///< empty: all, in order
-  core::Points positions;               ///< [m] of each, in the organ's frame
-};
-
 /// An organ that deforms while it is asked. A query takes the snapshot of the moment and keeps it
 /// as long as it needs; an update makes the next one beside it and swaps, so queries never wait and
-/// never see half a mesh. Updates are refused whole (std::invalid_argument naming the reason): the
-/// former mesh goes on answering.
+/// never see half a mesh. Splits are made anew on a thread in the background, from a snapshot too;
+/// what moves meanwhile is caught up with before the swap. Updates are refused whole
+/// (std::invalid_argument naming the reason): the former mesh goes on answering.
 class Organ {
  public:
   struct Counters {
@@ -44,67 +34,105 @@ class Organ {
     std::uint64_t updates_lost = 0;    ///< refused
   };
 
+  /// What an update did.
+  struct Applied {
+    std::uint32_t version;  ///< of the geometry that it led to
+    Action action;
+    std::string reason;  ///< why so
+    double duration;     ///< [s]
+  };
+
   Organ(std::string name, std::string frame, core::TriangleMesh mesh);
 
   const std::string& name() const { return name_; }
   const std::string& frame() const { return frame_; }
-  std::shared_ptr<const OrganSnapshot> snapshot() const;
+  std::shared_ptr<const OrganSnapshot> snapshot() const { return snapshots_.current(); }
   Counters counters() const;
 
-  /// Moves vertices before it returns; none: only the hierarchy is updated, if `mode` says so.
-  /// Whatever was enqueued before is applied before. `expected_version` 0 means any, else it must
-  /// be the current one.
-  std::shared_ptr<const OrganSnapshot> update(const VertexMoves& moves, UpdateMode mode,
-                                              std::uint32_t expected_version);
+  /// Moves vertices, all or the few, by a partial or full refit, whichever is cheaper; none: only
+  /// the hierarchy is updated, if `mode` says so. kRebuild returns when the splits have been made
+  /// anew after the moves; nobody else waits for that. Every snapshot taken after it returns has
+  /// what it did, and whatever was enqueued before it was called. `expected_version` 0 means any,
+  /// else it must be the current one.
+  Applied update(VertexMoves moves, UpdateMode mode, std::uint32_t expected_version);
 
-  /// Takes another mesh, after a cut say, in the same order of events as update().
-  std::shared_ptr<const OrganSnapshot> replace(core::TriangleMesh mesh,
-                                               std::uint32_t expected_version);
+  /// Takes another mesh, after a cut say. Its hierarchy is built before anybody has to wait for it.
+  Applied replace(core::TriangleMesh mesh, std::uint32_t expected_version);
 
-  /// Adds to what waits for applyEnqueued(), vertex by vertex: later positions win, nothing else is
-  /// lost. Does not wait for an update under way.
-  void enqueue(const VertexMoves& moves);
+  /// Adds to what waits for work(), vertex by vertex: later positions win, nothing else is lost.
+  /// Does not wait for an update under way.
+  void enqueue(VertexMoves moves);
 
   /// Counts an update that was refused before it was tried or by enqueue().
   void countLostUpdate();
 
-  /// Refits to all that was enqueued; false if nothing was.
-  bool applyEnqueued();
+  /// Does what waits: moves enqueued, a rebuild that is ready or due. True if that changed what
+  /// snapshot() tells.
+  bool work();
 
-  /// Adds a query's work to the account from which costRatio() is made.
-  void account(const OrganSnapshot& snapshot, const core::SearchWork& work);
+  /// Raised from now on whenever there is something for work(). REQUIRES: no other thread uses the
+  /// organ yet.
+  void setSignal(std::shared_ptr<Signal> signal) { signal_ = std::move(signal); }
 
-  /// Mean work per query of late against that of the fresh hierarchy; 1 before any query of either.
-  double costRatio() const;
+  /// Counts a query that was answered, for the decision when to rebuild.
+  void account(const core::NearestTriangle& answer, const core::Accuracy& accuracy);
+
+  /// Work per query of late against that of the hierarchy as it was built; 1 before it was
+  /// measured.
+  double costRatio() const { return cost_ratio_; }
+
+  /// The splits: how often they were made, why the last time, what speaks for doing it again.
+  struct Builds {
+    std::uint64_t count;
+    std::string reason;
+    std::string figures;
+  };
+  Builds builds() const;
 
  private:
-  struct Account {
-    std::uint64_t queries = 0;
-    std::uint64_t work = 0;
+  struct Build;
+  struct Rebuild;
+  struct Refit {
+    Action action;
+    std::string figures;  // why this and not another
   };
+  using Lock = std::unique_lock<std::mutex>;
 
-  bool applyEnqueuedWhileBuilding();
-  core::Points accept(const VertexMoves& moves);
+  Organ(std::string name, std::string frame, Build loaded);
+
   void requireVersion(std::uint32_t expected_version) const;
-  std::shared_ptr<const OrganSnapshot> publish(OrganSnapshot next);
-  void openAccount(Action action);
+  void addToPending(VertexMoves moves);
+  VertexMoves takePendingWith(VertexMoves moves);
+  bool applyPending();
+  void applyMoves(const VertexMoves& moves, const std::string& origin);
+  Refit catchUp(OrganSnapshot& state, const VertexMoves& moves);
+  void publishBuilt(OrganSnapshot next, double cost);
+  void rebuildIfDue();
+  void startRebuild(const std::string& reason);
+  bool finishRebuild();
+  void rebuildAndWait(Lock& building);
 
   const std::string name_;
   const std::string frame_;
+  const std::shared_ptr<BackgroundThread> background_ = BackgroundThread::shared();
+  std::shared_ptr<Signal> signal_ = std::make_shared<Signal>();
 
-  std::mutex building_;  // held by whoever makes the next snapshot
+  Snapshots snapshots_;
+  RecentQuestions questions_;
+  std::atomic<double> cost_ratio_{1.0};
 
-  mutable std::mutex queue_mutex_;  // of the five below; never held while building
-  core::Points latest_;             // positions with all that was accepted, applied or not
-  bool enqueued_ = false;           // latest_ is ahead of the snapshot
+  mutable std::mutex queue_mutex_;  // of the two below; never held while building
+  PendingMoves pending_;
   Counters counters_;
 
-  mutable std::mutex snapshot_mutex_;  // held for a pointer's copy
-  std::shared_ptr<const OrganSnapshot> snapshot_;
-
-  mutable std::mutex account_mutex_;
-  Account fresh_, last_,
-      current_;  // while as built; in the last period with queries; since the last action
+  mutable std::mutex building_;  // of all below; held by whoever makes the next snapshot
+  MoveLog log_;
+  RefitPolicy refit_policy_;
+  RebuildPolicy rebuild_policy_;
+  std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits
+  std::shared_ptr<Rebuild> rebuild_;               // under way, or ready
+  std::uint64_t rebuilds_asked_ = 0;
+  std::uint64_t rebuilds_served_ = 0;  // of those asked for, in order
 };
 
 using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "node/moves.h"
 #include "test_meshes.h"
 
 namespace organ_collision::node {
@@ -170,7 +171,7 @@ TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.1));
   EXPECT_TRUE(cycle_.lookUpTips());
   EXPECT_FALSE(cycle_.lookUpTips());
-  organs_[0]->update({{7}, {{1, 1, 2}}}, UpdateMode::kAuto, 0);
+  organs_[0]->update(test::movesOf({7}, {{1, 1, 2}}), UpdateMode::kAuto, 0);
   EXPECT_TRUE(cycle_.lookUpTips());
 }
 

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "node/moves.h"
 #include "test_meshes.h"
 
 namespace organ_collision::node {
@@ -118,7 +119,7 @@ TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
   EXPECT_TRUE(cycle_.lookUp());
   EXPECT_FALSE(cycle_.lookUp());
   for (const auto& organ : organs_) {
-    organ->update({{7}, {{1, 1, 2}}}, UpdateMode::kAuto, 0);
+    organ->update(test::movesOf({7}, {{1, 1, 2}}), UpdateMode::kAuto, 0);
     EXPECT_TRUE(cycle_.lookUp());
     EXPECT_FALSE(cycle_.lookUp());
   }

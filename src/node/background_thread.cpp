@@ -1,0 +1,66 @@
+#include "node/background_thread.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace organ_collision::node {
+namespace {
+
+// The lowest that still gets its turn: with SCHED_IDLE a machine whose processors are all busy
+// would never finish a rebuild that a caller waits for.
+constexpr int kLowestPriority = 19;
+
+/// Of the calling thread only: on Linux, priorities are the threads' own.
+void lowerPriority() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kLowestPriority);
+}
+
+}  // namespace
+
+std::shared_ptr<BackgroundThread> BackgroundThread::shared() {
+  static std::mutex mutex;
+  static std::weak_ptr<BackgroundThread> known;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::shared_ptr<BackgroundThread> thread = known.lock();
+  if (!thread) known = thread = std::make_shared<BackgroundThread>();
+  return thread;
+}
+
+BackgroundThread::BackgroundThread() : thread_(&BackgroundThread::work, this) {}
+
+BackgroundThread::~BackgroundThread() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void BackgroundThread::run(std::function<void()> task) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
+  changed_.notify_one();
+}
+
+void BackgroundThread::work() {
+  lowerPriority();
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
+    if (stopping_) return;
+    std::function<void()> task = std::move(tasks_.front());
+    tasks_.pop_front();
+    lock.unlock();
+    task();
+    task = nullptr;  // what it held is let go outside the lock
+    lock.lock();
+  }
+}
+
+}  // namespace organ_collision::node

@@ -1,0 +1,74 @@
+#include "node/snapshots.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "test_meshes.h"
+
+namespace organ_collision::node {
+namespace {
+
+OrganSnapshot loaded() {
+  return {core::CollisionMesh(test::cube()), 1, Action::kLoad, "loaded", 0.0};
+}
+
+/// The next version, written as an update writes it; told by where it is in memory.
+const OrganSnapshot* publishNext(Snapshots& snapshots) {
+  std::unique_ptr<OrganSnapshot> next = snapshots.writable();
+  next->version = snapshots.current()->version + 1;
+  return snapshots.publish(std::move(next)).get();
+}
+
+TEST(Snapshots, AReaderKeepsWhatItTookWhileLaterOnesSeeTheNext) {
+  Snapshots snapshots(loaded());
+  const auto taken = snapshots.current();
+  publishNext(snapshots);
+  EXPECT_EQ(taken->version, 1U);
+  EXPECT_EQ(snapshots.current()->version, 2U);
+}
+
+TEST(Snapshots, TwoStatesTakeTurnsWhereNobodyLingers) {
+  Snapshots snapshots(loaded());
+  std::set<const OrganSnapshot*> used = {snapshots.current().get()};
+  for (int i = 0; i < 10; ++i) used.insert(publishNext(snapshots));
+  EXPECT_EQ(used.size(), 2U);
+}
+
+TEST(Snapshots, NothingIsWrittenThatIsStillRead) {
+  Snapshots snapshots(loaded());
+  std::vector<std::shared_ptr<const OrganSnapshot>> readers;
+  for (int i = 0; i < 10; ++i) {
+    readers.push_back(snapshots.current());
+    publishNext(snapshots);
+  }
+  for (std::size_t i = 0; i < readers.size(); ++i) EXPECT_EQ(readers[i]->version, i + 1);
+  readers.clear();
+  std::set<const OrganSnapshot*> used;
+  for (int i = 0; i < 10; ++i) used.insert(publishNext(snapshots));
+  EXPECT_LE(used.size(), 3U) << "the rest is freed";
+}
+
+TEST(Snapshots, WhatIsWrittenNextHasTheCurrentSplits) {
+  Snapshots snapshots(loaded());
+  publishNext(snapshots);
+  snapshots.publish(std::make_unique<OrganSnapshot>(
+      OrganSnapshot{core::CollisionMesh(test::blob(1)), 3, Action::kRebuild, "", 0.0, 2}));
+  const auto next = snapshots.writable();
+  EXPECT_EQ(next->hierarchy, 2U);
+  EXPECT_EQ(next->version, 3U);
+  EXPECT_EQ(next->organ.mesh().triangleCount(), 32U);
+}
+
+TEST(Snapshots, OutliveTheirOwnerWithTheirReaders) {
+  std::shared_ptr<const OrganSnapshot> taken;
+  {
+    Snapshots snapshots(loaded());
+    taken = snapshots.current();
+    publishNext(snapshots);
+  }
+  EXPECT_EQ(taken->version, 1U);
+}
+
+}  // namespace
+}  // namespace organ_collision::node
