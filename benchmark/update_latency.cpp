@@ -1,0 +1,167 @@
+// Do queries wait while the organ deforms? Latency of exact queries on 131,072 triangles:
+// idle; while 60 whole updates a second are refitted; and while the hierarchy is rebuilt over and
+// over too.
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "node/organ.h"
+#include "node/stopwatch.h"
+#include "organs.h"
+#include "test_meshes.h"
+
+namespace organ_collision {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kOrgan = "blob@7";                          // 131,072 triangles
+constexpr auto kUpdatePeriod = std::chrono::microseconds(16667);  // 60 Hz
+constexpr double kMicroseconds = 1e6;                             // in a second
+
+/// Keeps a thread on one processor: queries get the last one for themselves, all others share the
+/// rest. On a machine with one processor nothing is gained, and nothing is done.
+void pin(pthread_t thread, bool is_query) {
+  const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+  if (processors < 2) return;
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (is_query) {
+    CPU_SET(processors - 1, &allowed);
+  } else {
+    for (int i = 0; i + 1 < processors; ++i) CPU_SET(i, &allowed);
+  }
+  pthread_setaffinity_np(thread, sizeof allowed, &allowed);
+}
+
+struct Tips {
+  explicit Tips(const core::Points& points) {
+    std::mt19937 generator(1);
+    for (int i = 0; i < 10000; ++i) {
+      tips.push_back(points[generator() % points.size()] + test::randomPoint(generator, 0.005));
+    }
+  }
+  core::Points tips;
+};
+
+struct Latencies {
+  std::vector<double> sorted;  // [s]
+  long preempted;              // times that something else took the processor of the queries
+};
+
+long preemptions() {
+  rusage usage = {};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nivcsw;
+}
+
+/// Asks for so long [s].
+Latencies latencies(node::Organ& organ, const core::Points& tips, double duration) {
+  std::vector<double> result;
+  result.reserve(10000000);
+  const long preempted = preemptions();
+  const node::Stopwatch all;
+  for (std::size_t i = 0; all.elapsed() < duration; ++i) {
+    const node::Stopwatch watch;
+    {
+      const auto snapshot = organ.snapshot();
+      const auto nearest = core::nearestTriangle(snapshot->organ, tips[i % tips.size()]);
+      organ.account(nearest, core::Accuracy::exact());
+    }
+    result.push_back(watch.elapsed());
+  }
+  std::sort(result.begin(), result.end());
+  return {std::move(result), preemptions() - preempted};
+}
+
+double percentile(const std::vector<double>& sorted, double part) {
+  return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+}
+
+/// Prints them and returns the 99.9th percentile [s].
+double print(const char* name, const Latencies& measured) {
+  const std::vector<double>& sorted = measured.sorted;
+  const double p999 = percentile(sorted, 0.999);
+  std::printf(
+      "%-24s %9zu queries  p50 %6.2f  p99 %6.2f  p99.9 %7.2f  max %8.1f us, preempted %ld times\n",
+      name, sorted.size(), kMicroseconds * percentile(sorted, 0.5),
+      kMicroseconds * percentile(sorted, 0.99), kMicroseconds * p999, kMicroseconds * sorted.back(),
+      measured.preempted);
+  return p999;
+}
+
+/// Threads that repeat something until they are stopped.
+class Load {
+ public:
+  ~Load() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  template <class Work>
+  void repeat(Work work) {
+    threads_.emplace_back([this, work]() mutable {
+      while (!stop_) work();
+    });
+    pin(threads_.back().native_handle(), false);
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+void run(double duration) {
+  pin(pthread_self(), false);  // the organ's background thread inherits that
+  node::Organ organ("organ", "organ", bench::organNamed(kOrgan));
+  const core::Points original = organ.snapshot()->organ.mesh().positions();
+  const core::Points tips = Tips(original).tips;
+  pin(pthread_self(), true);
+  const auto measure = [&] { return latencies(organ, tips, duration); };
+  measure();  // caches and clock are warm now
+  const double idle = print("idle", measure());
+
+  const auto stream = [&, at = Clock::now(), phase = 0.0]() mutable {
+    phase += 0.1;
+    core::Points moved = original;
+    for (Eigen::Vector3d& point : moved) point.z() += 0.001 * std::sin(30.0 * point.x() + phase);
+    organ.enqueue({{}, std::move(moved)});
+    organ.work();
+    std::this_thread::sleep_until(at += kUpdatePeriod);
+  };
+  const auto rebuild = [&] { organ.update({}, node::UpdateMode::kRebuild, 0); };
+  {
+    Load load;
+    load.repeat(stream);
+    print("updated at 60 Hz", measure());
+  }
+  const auto before = organ.builds().count;
+  const std::uint32_t version = organ.snapshot()->version;
+  double loaded = 0.0;
+  {
+    Load load;
+    load.repeat(stream);
+    load.repeat(rebuild);
+    loaded = print("updated and rebuilt", measure());
+  }
+  std::printf("%u updates and %lu rebuilds meanwhile; p99.9 is %.2f times the idle one\n",
+              organ.snapshot()->version - version,
+              static_cast<unsigned long>(organ.builds().count - before), loaded / idle);
+}
+
+}  // namespace
+}  // namespace organ_collision
+
+int main(int argc, char** argv) {
+  organ_collision::run(argc > 1 ? std::stod(argv[1]) : 5.0);  // [s] each
+}
