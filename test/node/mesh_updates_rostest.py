@@ -6,6 +6,7 @@ import unittest
 
 import numpy as np
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, check_nearest, contact_of,
                              run, wait_until)
 
@@ -92,6 +93,57 @@ class MeshUpdates(unittest.TestCase):
         self.assertIn(answer.action, REFITS)
         np.testing.assert_array_equal(self.services.surface().vertices, moved)
         self.check_queries(self.loaded.of(moved), self.version + 1)
+
+    def test_a_partial_refit_is_told_with_its_reason(self):
+        # A number of vertices not tried since setUp() gave the organ a new topology, so that it is tried.
+        few, more = list(range(20)), list(range(1000, 1100))
+        lifted = self.loaded.vertices + [0.0, 0.0, 0.001]
+        answer = self.update(lifted[few], indices=few, mode=AUTO)
+        self.assertEqual(answer.action, MeshInfo.PARTIAL_REFIT)
+        self.assertIn(f"20 of {len(lifted)} vertices moved", answer.message)
+        info = self.latest_info(lambda info: info.mesh_version == answer.mesh_version)
+        self.assertEqual((info.last_action, info.reason), (answer.action, answer.message))
+        self.send(lifted[more], more)
+        info = self.latest_info(lambda info: info.mesh_version == answer.mesh_version + 1)
+        self.assertEqual(info.last_action, MeshInfo.PARTIAL_REFIT)
+        self.assertIn("streamed: 100 of", info.reason)
+
+    def test_left_to_the_node_the_hierarchy_is_rebuilt_when_queries_have_lost_enough(self):
+        crushed = self.loaded.vertices * [0.02, 1.0, 1.0]
+        self.assertEqual(self.update(crushed, mode=AUTO).action, MeshInfo.REFIT)
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        self.infos.forget()
+
+        def rebuilt():
+            self.services.find(np.repeat(crushed, 2, axis=0) + 0.001, max_leaves=1)
+            return [array.meshes[0] for array in self.infos.all() if array.meshes[0].last_action == MeshInfo.REBUILD]
+
+        wait_until(rebuilt, "a rebuild", seconds=60.0)
+        info = rebuilt()[0]
+        self.assertEqual((info.mesh_version, info.cost_ratio), (self.version + 1, 1.0))
+        self.assertIn("queries lost", info.reason)
+        self.check_queries(self.loaded.of(crushed), self.version + 1)
+        told = diagnostics.wait_for(lambda array: any(
+            value.key == "liver last build" and value.value == info.reason
+            for status in array.status for value in status.values))
+        self.assertTrue(told)
+
+    def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
+        stop = threading.Event()
+
+        def rebuild():
+            rebuilder = Services()
+            while not stop.is_set():
+                rebuilder.update(mode=REBUILD)
+
+        thread = threading.Thread(target=rebuild)
+        thread.start()
+        try:
+            self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(STREAM_RATE)],
+                                 last_actions=(MeshInfo.REBUILD, *REFITS))
+        finally:
+            stop.set()
+            thread.join()
 
     def test_a_rebuild_alone_does_not_raise_the_version(self):
         answer = self.update(mode=REBUILD)
@@ -201,7 +253,7 @@ class MeshUpdates(unittest.TestCase):
         message.header.frame_id = frame
         self.stream.publish(message)
 
-    def send_and_follow(self, updates, frequency=STREAM_RATE):
+    def send_and_follow(self, updates, frequency=STREAM_RATE, last_actions=REFITS):
         """Sends (positions, indices) so often [Hz], waits until all have arrived, and checks what they led to. Each
         update becomes a version of its own or is merged with a later one; returns how many were merged."""
         start = self.account()
@@ -215,7 +267,7 @@ class MeshUpdates(unittest.TestCase):
                                start.mesh_version + start.updates_merged + len(updates))
         self.assertEqual(end.updates_lost, start.updates_lost)
         self.assertGreater(end.mesh_version, start.mesh_version)
-        self.assertIn(end.last_action, REFITS)
+        self.assertIn(end.last_action, last_actions)
         np.testing.assert_array_equal(self.services.surface().vertices, expected)
         self.check_queries(self.loaded.of(expected), end.mesh_version)
         return end.updates_merged - start.updates_merged
