@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <utility>
@@ -50,6 +51,7 @@ void BackgroundThread::run(std::function<void()> task) {
 
 void BackgroundThread::work() {
   lowerPriority();
+  tbb::task_arena alone(1);  // without oneTBB's own threads, which do not step back
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
@@ -57,7 +59,7 @@ void BackgroundThread::work() {
     std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();
     lock.unlock();
-    task();
+    alone.execute(task);
     task = nullptr;  // what it held is let go outside the lock
     lock.lock();
   }

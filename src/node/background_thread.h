@@ -10,6 +10,7 @@
 namespace organ_collision::node {
 
 /// A thread for work that can wait: all others come before it, where the system lets it step back.
+/// What a task does in parallel elsewhere, it does alone here.
 /// Nothing that holds up a query may hang on a lock that it takes.
 class BackgroundThread {
  public:

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <future>
+#include <mutex>
+#include <set>
+#include <thread>
 #include <vector>
 
 namespace organ_collision::node {
@@ -31,6 +35,23 @@ TEST(BackgroundThread, StepsBackBehindTheOthers) {
   std::promise<int> priority;
   thread.run([&priority] { priority.set_value(priorityOfThisThread()); });
   EXPECT_GT(priority.get_future().get(), priorityOfThisThread());
+}
+
+TEST(BackgroundThread, LeavesTheOtherProcessorsToTheOthers) {
+  BackgroundThread thread;
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  std::promise<std::thread::id> done;
+  thread.run([&] {
+    tbb::parallel_for(0, 100, [&](int /*part*/) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const std::lock_guard<std::mutex> lock(mutex);
+      threads.insert(std::this_thread::get_id());
+    });
+    done.set_value(std::this_thread::get_id());
+  });
+  const std::thread::id own = done.get_future().get();
+  EXPECT_EQ(threads, std::set<std::thread::id>{own});
 }
 
 TEST(BackgroundThread, IsOneForAllWhoHoldIt) {
