@@ -172,9 +172,10 @@ template <class Real>
 inline Real leastOf(const Lanes<Real>& lanes) {
   Real values[kLanes];
   lanes.store(values);
-  Real least = values[0];
-  for (int i = 1; i < kLanes; ++i) least = values[i] < least ? values[i] : least;
-  return least;
+  for (int half = kLanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i)
+      values[i] = values[i] < values[i + half] ? values[i] : values[i + half];
+  return values[0];
 }
 /// a where it is true, else b.
 template <class Real>

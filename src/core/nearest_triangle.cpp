@@ -47,8 +47,8 @@ class TriangleTip {
 
 std::vector<Waiting>& scratch(std::size_t depth) {
   thread_local std::vector<Waiting> stack;
-  // Opening a node takes one set from the stack and puts up to eight there.
-  const std::size_t room = 1 + (kLaneCount - 1) * depth;
+  // Opening a node takes one set from the stack, puts up to eight there and writes past them.
+  const std::size_t room = 2 + (kLaneCount - 1) * depth;
   if (stack.size() < room) stack.resize(room);
   return stack;
 }

@@ -12,8 +12,9 @@
 // triangles are kept. Rounding moves the tip by u*d, turning it adds 3*u*d; stored corners are off
 // by 4*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
 // 3*u*(d + 4*r). Together below 16*u*d + 64*(u + v)*r, which every bound gives away; that also
-// covers the 4*u*extent of the exact measurement. Triangles so small that products of their edges
-// underflow are smaller than kTiny, which is given away too.
+// covers the 4*u*extent of the exact measurement, and the u*d by which the tip is rounded itself.
+// Triangles so small that products of their edges underflow are smaller than kTiny, which is given
+// away too.
 namespace organ_collision::core {
 namespace {
 
@@ -33,10 +34,8 @@ inline Real magnitudeOf(Real x) {
 
 /// A corner of the tip, relative to an origin.
 template <class Real>
-inline Vector<Real> relative(const std::array<double, 3>& tip, const std::array<float, 3>& origin) {
-  return {static_cast<Real>(tip[0] - static_cast<double>(origin[0])),
-          static_cast<Real>(tip[1] - static_cast<double>(origin[1])),
-          static_cast<Real>(tip[2] - static_cast<double>(origin[2]))};
+inline Vector<Real> relative(const Vector<Real>& tip, const std::array<float, 3>& origin) {
+  return {tip.x - Real{origin[0]}, tip.y - Real{origin[1]}, tip.z - Real{origin[2]}};
 }
 
 template <class Real>
@@ -53,8 +52,8 @@ inline Real roundingOf(Real tip_reach, float radius) {
 
 /// The gaps between lanes' boxes and a box, axis by axis, as one distance.
 template <class Real>
-inline Lanes<Real> distanceOf(const LaneVector<Real>& low, const LaneVector<Real>& high,
-                              const Vector<Real>& tip_low, const Vector<Real>& tip_high) {
+inline Lanes<Real> squaredDistanceOf(const LaneVector<Real>& low, const LaneVector<Real>& high,
+                                     const Vector<Real>& tip_low, const Vector<Real>& tip_high) {
   const Lanes<Real> none{};
   const auto gap = [&none](const Lanes<Real>& lows, const Lanes<Real>& highs, Real from, Real to) {
     return larger(larger(lows - Lanes<Real>::all(to), Lanes<Real>::all(from) - highs), none);
@@ -62,7 +61,20 @@ inline Lanes<Real> distanceOf(const LaneVector<Real>& low, const LaneVector<Real
   const LaneVector<Real> gaps = {gap(low.x, high.x, tip_low.x, tip_high.x),
                                  gap(low.y, high.y, tip_low.y, tip_high.y),
                                  gap(low.z, high.z, tip_low.z, tip_high.z)};
-  return root(dot(gaps, gaps));
+  return dot(gaps, gaps);
+}
+
+/// How far at most the lanes' boxes are from a box.
+template <class Real>
+inline Lanes<Real> squaredFarthest(const LaneVector<Real>& low, const LaneVector<Real>& high,
+                                   const Vector<Real>& tip_low, const Vector<Real>& tip_high) {
+  const auto span = [](const Lanes<Real>& lows, const Lanes<Real>& highs, Real from, Real to) {
+    return larger(Lanes<Real>::all(to) - lows, highs - Lanes<Real>::all(from));
+  };
+  const LaneVector<Real> spans = {span(low.x, high.x, tip_low.x, tip_high.x),
+                                  span(low.y, high.y, tip_low.y, tip_high.y),
+                                  span(low.z, high.z, tip_low.z, tip_high.z)};
+  return dot(spans, spans);
 }
 
 /// The distance of a point, at the origin, to the segment from `start` along `edge`.
@@ -130,38 +142,55 @@ inline std::uint32_t lowestBit(std::uint32_t bits) {
 }
 
 /// A bound in single precision that is not larger, and not below zero.
-inline float boundInFloat(float bound) { return bound > 0.0F ? bound : 0.0F; }
-inline float boundInFloat(double bound) {
+inline float inFloat(float bound) { return bound > 0.0F ? bound : 0.0F; }
+inline float inFloat(double bound) {
   constexpr double kLargest = 0x1p127;
   return bound > 0.0 ? static_cast<float>((bound < kLargest ? bound : kLargest) * (1.0 - 0x1p-22))
                      : 0.0F;
 }
 
-inline Waiting waiting(float bound, std::uint32_t set) {
+constexpr Waiting kNoSet = ~Waiting{0};
+
+inline Waiting waiting(float square, std::uint32_t set) {
   std::uint32_t bits = 0;
-  __builtin_memcpy(&bits, &bound, sizeof(bits));
+  __builtin_memcpy(&bits, &square, sizeof(bits));
   return static_cast<Waiting>(bits) << 32U | set;
 }
-inline float boundOf(Waiting waiting) {
+inline float squareOf(Waiting waiting) {
   const auto bits = static_cast<std::uint32_t>(waiting >> 32U);
-  float bound = 0;
-  __builtin_memcpy(&bound, &bits, sizeof(bound));
-  return bound;
+  float square = 0;
+  __builtin_memcpy(&square, &bits, sizeof(square));
+  return square;
 }
 inline std::uint32_t setOf(Waiting waiting) { return static_cast<std::uint32_t>(waiting); }
 
-/// Brings what a pointer points to closer.
-template <class T>
-inline void fetch(const T* item) {
-  for (std::size_t i = 0; i < sizeof(T); i += 64)
-    __builtin_prefetch(reinterpret_cast<const char*>(item) + i);
+/// Brings a set closer that will be needed.
+inline void fetch(const Search& search, std::uint32_t set) {
+  const bool is_packet = (set & kPacketBit) != 0;
+  const char* item = is_packet ? reinterpret_cast<const char*>(search.packets + (set & ~kPacketBit))
+                               : reinterpret_cast<const char*>(search.nodes + set);
+  for (std::size_t i = 0; i < sizeof(WideNode); i += 64) __builtin_prefetch(item + i);
 }
 
 /// Of a tip of one, two or three corners.
 template <class Real, std::uint32_t kCorners>
 class Walk {
  public:
-  explicit Walk(Search& search) : search_(search) { look(); }
+  explicit Walk(Search& search) : search_(search) {
+    Real reach = 0;
+    for (std::uint32_t i = 0; i < search.corner_count; ++i) {
+      const std::array<double, 3>& corner = search.corners[i];
+      tip_[i] = {static_cast<Real>(corner[0]), static_cast<Real>(corner[1]),
+                 static_cast<Real>(corner[2])};
+      const Real corner_reach = reachOf(tip_[i]);
+      reach = corner_reach > reach ? corner_reach : reach;
+    }
+    tip_rounding_ = kRoundoff<Real> * reach;
+    const WideNode& root = search.nodes[0];
+    const Vector<Real> origin = {Real{root.origin[0]}, Real{root.origin[1]}, Real{root.origin[2]}};
+    box_rounding_ = roundingOf(reach + reachOf(origin) + 4 * Real{root.radius}, root.radius);
+    look();
+  }
 
   void run() {
     Waiting* const bottom = search_.stack;
@@ -169,18 +198,20 @@ class Walk {
     *top++ = waiting(0.0F, 0);
     while (top != bottom && search_.leaves_left > 0) {
       const Waiting next = *--top;
-      if (static_cast<Real>(boundOf(next)) > reach_) {
-        leaveOut(boundOf(next));
+      if (static_cast<Real>(squareOf(next)) > squared_reach_) {
+        leaveOutBox(squareOf(next));
       } else if ((setOf(next) & kPacketBit) != 0) {
         scan(search_.packets[setOf(next) & ~kPacketBit]);
       } else {
         top = open(search_.nodes[setOf(next)], top);
       }
     }
-    while (top != bottom) leaveOut(boundOf(*--top));
+    while (top != bottom) leaveOutBox(squareOf(*--top));
     measureCandidates();
     if (promised_) measure(promised_leaf_);
-    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) leaveOut(left_out_[lane]);
+    const Real box = leastOf(boxes_left_out_);
+    leaveOut(rootOf(box) * (1 - 4 * kRoundoff<Real>)-box_rounding_);
+    leaveOut(leastOf(left_out_));
     // Left out because it was farther than the best of its time, it is farther than the last.
     if (static_cast<Real>(search_.unopened) >= static_cast<Real>(search_.best))
       search_.unopened = kInfinity;
@@ -194,25 +225,38 @@ class Walk {
     const double share = search_.best * search_.share;
     const double less = search_.best - search_.allowance;
     reach_ = static_cast<Real>(share < less ? share : less);
+    const Real box_reach = reach_ + box_rounding_;
+    squared_reach_ = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
+  }
+
+  /// Before a triangle is known: a box holds one.
+  void lowerCeiling(Real squared_farthest) {
+    const Real box_reach = rootOf(squared_farthest) + 2 * box_rounding_;
+    const Real square = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
+    squared_reach_ = square < squared_reach_ ? square : squared_reach_;
   }
 
   void leaveOut(double bound) {
     if (bound < search_.unopened) search_.unopened = bound;
   }
-  void leaveOut(const Truth<Real>& those, const Lanes<Real>& bounds) {
-    left_out_ = smaller(left_out_, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
+  void leaveOutBox(float square) {
+    boxes_left_out_ = smaller(boxes_left_out_, Lanes<Real>::all(static_cast<Real>(square)));
+  }
+  static Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
+                                  const Lanes<Real>& least) {
+    return smaller(least, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }
 
   /// The box of the tip in a node's or packet's coordinates; how far it is from the origin.
   template <class Turn>
   Real tipBox(const std::array<float, 3>& origin, const Turn& turn, Vector<Real>& low,
               Vector<Real>& high) const {
-    const Vector<Real> first = relative<Real>(search_.corners[0], origin);
+    const Vector<Real> first = relative(tip_[0], origin);
     Real farthest = reachOf(first);
     low = high = turn(first);
     if constexpr (!kIsPoint) {
       for (std::uint32_t i = 1; i < search_.corner_count; ++i) {
-        const Vector<Real> corner = relative<Real>(search_.corners[i], origin);
+        const Vector<Real> corner = relative(tip_[i], origin);
         const Real reach = reachOf(corner);
         farthest = reach > farthest ? reach : farthest;
         const Vector<Real> v = turn(corner);
@@ -224,46 +268,56 @@ class Walk {
     return farthest;
   }
 
-  Lanes<Real> boundsOf(const WideNode& node) const {
+  /// The boxes' squared distances, but for box_rounding_.
+  Lanes<Real> squaresOf(const WideNode& node) {
     const auto turn = [&node](const Vector<Real>& v) { return turned(node, v); };
     const LaneVector<Real> boxes_low = load<Real>(node.low);
     const LaneVector<Real> boxes_high = load<Real>(node.high);
     Vector<Real> low, high;
-    const Real farthest = tipBox(node.origin, turn, low, high);
-    const Lanes<Real> rounding = Lanes<Real>::all(roundingOf(farthest, node.radius));
-    const Lanes<Real> distances = distanceOf(boxes_low, boxes_high, low, high) - rounding;
-    if constexpr (kCorners != 2) return distances;
+    tipBox(node.origin, turn, low, high);
+    if (search_.best == kInfinity)
+      lowerCeiling(leastOf(squaredFarthest(boxes_low, boxes_high, low, high)));
+    const Lanes<Real> squares = squaredDistanceOf(boxes_low, boxes_high, low, high);
+    if constexpr (kCorners != 2) return squares;
     const Lanes<Real> gaps =
-        gapToBoxes(turn(relative<Real>(search_.corners[0], node.origin)),
-                   turn(relative<Real>(search_.corners[1], node.origin)), boxes_low, boxes_high);
-    return larger(distances, gaps - (rounding + rounding));
+        larger(gapToBoxes(turn(relative(tip_[0], node.origin)),
+                          turn(relative(tip_[1], node.origin)), boxes_low, boxes_high) -
+                   Lanes<Real>::all(box_rounding_),
+               Lanes<Real>{});
+    return larger(squares, gaps * gaps);
   }
 
-  /// Puts the children that matter on the stack, the nearest on top.
+  /// Puts the children that matter on the stack, the three nearest on top; all without a branch on
+  /// what their order is.
   Waiting* open(const WideNode& node, Waiting* top) {
-    const Lanes<Real> bounds = boundsOf(node);
+    const Lanes<Real> squares = squaresOf(node);
     search_.bounds += node.lane_count;
-    const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
-    leaveOut(!matter, bounds);  // lanes that are not in use repeat others
-    Real bound[kLaneCount];
-    bounds.store(bound);
-    Waiting* const first = top;
+    const Truth<Real> matter = squares <= Lanes<Real>::all(squared_reach_);
+    // Lanes that are not in use repeat others.
+    boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
+    Real square[kLaneCount];
+    squares.store(square);
+    Waiting nearest[3] = {kNoSet, kNoSet, kNoSet};
     const std::uint32_t used = (1U << node.lane_count) - 1;
     for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
-      const bool is_node = lane < node.node_count;
-      const std::uint32_t number =
-          lane + (is_node ? node.first_node : node.first_packet - node.node_count);
-      const Waiting set =
-          waiting(boundInFloat(bound[lane]), is_node ? number : kPacketBit | number);
-      if (is_node) {
-        fetch(search_.nodes + number);
-      } else {
-        fetch(search_.packets + number);
+      const std::uint32_t packets = 0U - static_cast<std::uint32_t>(lane >= node.node_count);
+      const std::uint32_t set =
+          lane + ((node.first_node & ~packets) |
+                  ((node.first_packet - node.node_count + kPacketBit) & packets));
+      fetch(search_, set);
+      Waiting farther = waiting(inFloat(square[lane]), set);
+      for (Waiting& near : nearest) {
+        const Waiting other = near;
+        near = farther < other ? farther : other;
+        farther = farther < other ? other : farther;
       }
-      Waiting* place = top++;
-      for (; place != first && place[-1] < set; --place) *place = place[-1];
-      *place = set;
+      *top = farther;
+      top += farther != kNoSet;
+    }
+    for (int i = 2; i >= 0; --i) {
+      *top = nearest[i];
+      top += nearest[i] != kNoSet;
     }
     return top;
   }
@@ -272,13 +326,12 @@ class Walk {
     Vector<Real> low, high;
     const Real farthest = tipBox(
         packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
-    rounding = roundingOf(farthest, packet.radius);
+    rounding = roundingOf(farthest, packet.radius) + tip_rounding_;
     if constexpr (kIsPoint) {
       return distanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
     } else {
       Vector<Real> tip[kCorners];
-      for (std::uint32_t i = 0; i < kCorners; ++i)
-        tip[i] = relative<Real>(search_.corners[i], packet.origin);
+      for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(tip_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
       rounding = rounding + rounding;
       return {gap.low, gap.high};
@@ -310,13 +363,13 @@ class Walk {
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
     const Truth<Real> used =
         Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
-    leaveOut(used & !matter, bounds);
+    left_out_ = leastOfThose(used & !matter, bounds, left_out_);
     Real bound[kLaneCount];
     bounds.store(bound);
     for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
       if (candidate_count_ == kMostCandidates) measureCandidates();
-      candidates_[candidate_count_++] = {boundInFloat(bound[lane]), packet.first_leaf + lane};
+      candidates_[candidate_count_++] = {inFloat(bound[lane]), packet.first_leaf + lane};
     }
   }
 
@@ -343,8 +396,14 @@ class Walk {
   }
 
   Search& search_;
-  Real reach_;                                                     // what is farther is left out
-  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of that
+  Vector<Real> tip_[3];
+  Real tip_rounding_;   // of its corners
+  Real box_rounding_;   // of the distance to any box
+  Real reach_;          // what is farther is left out
+  Real squared_reach_;  // a box with that
+  Lanes<Real> boxes_left_out_ =
+      Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of them, squared
+  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest triangle of them
   Candidate candidates_[kMostCandidates];
   std::uint32_t candidate_count_ = 0;
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
