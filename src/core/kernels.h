@@ -16,6 +16,8 @@ enum class Fit : std::uint8_t { kBoxes, kCorners };
 struct Kernels {
   /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
   void (*walk)(Search& search);
+  /// Looks at the packets that are followed, after the tip has moved by at most `step`.
+  void (*follow)(Search& search, double step);
   /// Places a node's origin and boxes. REQUIRES: that is done for all nodes and packets below.
   void (*enclose)(WideNode* nodes, const TrianglePacket* packets, std::uint32_t node, Fit fit);
 };

@@ -4,6 +4,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx512Kernels = {walk, enclose};
+const Kernels kAvx512Kernels = {walk, follow, enclose};
 
 }  // namespace organ_collision::core

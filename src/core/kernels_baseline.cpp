@@ -4,6 +4,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kBaselineKernels = {walk, enclose};
+const Kernels kBaselineKernels = {walk, follow, enclose};
 
 }  // namespace organ_collision::core

@@ -7,6 +7,9 @@
 
 namespace organ_collision::core {
 
+/// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
+constexpr double kFar = 8.0;
+
 /// Sets that wait are kept with a lower bound of their distance: its bits in front, so that the
 /// nearer comes first, then the set's number.
 using Waiting = std::uint64_t;
@@ -15,6 +18,16 @@ using Waiting = std::uint64_t;
 struct Candidate {
   float bound;
   std::uint32_t leaf;
+};
+
+/// The packets that may hold what is nearest to a tip while it moves.
+struct Followed {
+  static constexpr std::uint32_t kMost = 64;
+  alignas(64)
+      std::array<float, kMost> bounds = {};  ///< at least so far from the tip; first the nearest
+  std::array<std::uint32_t, kMost> packets;
+  std::uint32_t count = 0;
+  double clear;  ///< at least so far is all else
 };
 
 /// One search: what it is given, what it knows, what it has found. Lengths in the unit frame.
@@ -30,6 +43,9 @@ struct Search {
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
   void (*measure)(Search& search, std::uint32_t leaf);
   double best;  ///< the nearest triangle is not farther
+
+  double slack;        ///< followed is what is farther than the best by this, too
+  Followed* followed;  ///< where to put the packets looked at, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
   std::uint32_t bounds, triangles;  ///< boxes and triangles looked at

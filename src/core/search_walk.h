@@ -201,37 +201,94 @@ class Walk {
       if (static_cast<Real>(squareOf(next)) > squared_reach_) {
         leaveOutBox(squareOf(next));
       } else if ((setOf(next) & kPacketBit) != 0) {
-        scan(search_.packets[setOf(next) & ~kPacketBit]);
+        const std::uint32_t packet = setOf(next) & ~kPacketBit;
+        note(packet, scan(search_.packets[packet]));
       } else {
         top = open(search_.nodes[setOf(next)], top);
       }
     }
     while (top != bottom) leaveOutBox(squareOf(*--top));
+    const double box = rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
+    if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
+    leaveOut(box);
+    finish();
+  }
+
+  /// The same over the packets that are followed, with their bounds brought up to date.
+  void follow(float step) {
+    Followed& followed = *search_.followed;
+    // What rounding takes is less than what a bound is lowered by besides.
+    const Lanes<float> kept = Lanes<float>::all(1 - 4 * kRoundoff<float>);
+    for (std::uint32_t i = 0; i < followed.count; i += kLaneCount)
+      (kept * Lanes<float>::load(&followed.bounds[i]) - Lanes<float>::all(step))
+          .store(&followed.bounds[i]);
+    scanFollowed(0);
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 0; i < followed.count; i += kLaneCount) {
+      const Lanes<float> bounds = Lanes<float>::load(&followed.bounds[i]);
+      for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_)).bits(); rest != 0;
+           rest &= rest - 1) {
+        const std::uint32_t one = i + lowestBit(rest);
+        if (one == 0 || one >= followed.count) continue;
+        scanFollowed(one);
+        if (followed.bounds[one] < followed.bounds[nearest]) nearest = one;
+      }
+    }
+    finish();
+    swap(followed.bounds[0], followed.bounds[nearest]);
+    swap(followed.packets[0], followed.packets[nearest]);
+  }
+
+ private:
+  static constexpr bool kIsPoint = kCorners == 1;
+
+  template <class T>
+  static void swap(T& a, T& b) {
+    const T c = a;
+    a = b;
+    b = c;
+  }
+
+  void finish() {
     measureCandidates();
     if (promised_) measure(promised_leaf_);
-    const Real box = leastOf(boxes_left_out_);
-    leaveOut(rootOf(box) * (1 - 4 * kRoundoff<Real>)-box_rounding_);
     leaveOut(leastOf(left_out_));
     // Left out because it was farther than the best of its time, it is farther than the last.
     if (static_cast<Real>(search_.unopened) >= static_cast<Real>(search_.best))
       search_.unopened = kInfinity;
   }
 
- private:
-  static constexpr bool kIsPoint = kCorners == 1;
+  void scanFollowed(std::uint32_t i) {
+    Followed& followed = *search_.followed;
+    followed.bounds[i] = inFloat(scan(search_.packets[followed.packets[i]]));
+  }
+
+  /// To follow a packet whose nearest triangle is not nearer than `bound`.
+  void note(std::uint32_t packet, Real bound) {
+    if (search_.followed == nullptr) return;
+    Followed& followed = *search_.followed;
+    if (followed.count < Followed::kMost) {
+      followed.packets[followed.count] = packet;
+      followed.bounds[followed.count++] = inFloat(bound);
+    } else if (bound < followed.clear) {
+      followed.clear = bound;
+    }
+  }
+
   static constexpr std::uint32_t kMostCandidates = 16;
 
   void look() {
     const double share = search_.best * search_.share;
     const double less = search_.best - search_.allowance;
     reach_ = static_cast<Real>(share < less ? share : less);
-    const Real box_reach = reach_ + box_rounding_;
+    const Real box_reach = reach_ + static_cast<Real>(search_.slack) + box_rounding_;
     squared_reach_ = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
   }
 
   /// Before a triangle is known: a box holds one.
   void lowerCeiling(Real squared_farthest) {
-    const Real box_reach = rootOf(squared_farthest) + 2 * box_rounding_;
+    const Real box_reach =
+        rootOf(squared_farthest) + static_cast<Real>(search_.slack) + 2 * box_rounding_;
     const Real square = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
     squared_reach_ = square < squared_reach_ ? square : squared_reach_;
   }
@@ -338,8 +395,9 @@ class Walk {
     }
   }
 
-  /// Looks at the triangles of a packet: those that may be nearest are to be measured.
-  void scan(const TrianglePacket& packet) {
+  /// Looks at the triangles of a packet: those that may be nearest are to be measured. All are at
+  /// least as far as what it returns if packets are followed.
+  Real scan(const TrianglePacket& packet) {
     Real rounding = 0;
     const Range<Real> range = rangeOf(packet, rounding);
     const Lanes<Real> bounds = range.low - Lanes<Real>::all(rounding);
@@ -371,6 +429,8 @@ class Walk {
       if (candidate_count_ == kMostCandidates) measureCandidates();
       candidates_[candidate_count_++] = {inFloat(bound[lane]), packet.first_leaf + lane};
     }
+    if (search_.followed == nullptr) return 0;
+    return leastOf(select(used, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }
 
   /// Measures exactly what still may be nearest.
@@ -410,9 +470,6 @@ class Walk {
   std::uint32_t promised_leaf_ = 0;
 };
 
-// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
-constexpr double kFar = 8.0;
-
 template <class Real>
 inline void walkAs(Search& search) {
   if (search.corner_count == 1) Walk<Real, 1>(search).run();
@@ -431,6 +488,14 @@ inline void walk(Search& search) {
   } else {
     walkAs<double>(search);
   }
+}
+
+/// REQUIRES: the tip is near.
+inline void follow(Search& search, double step) {
+  const auto most = static_cast<float>(step * (1.0 + 0x1p-20) + 0x1p-100);
+  if (search.corner_count == 1) Walk<float, 1>(search).follow(most);
+  if (search.corner_count == 2) Walk<float, 2>(search).follow(most);
+  if (search.corner_count == 3) Walk<float, 3>(search).follow(most);
 }
 
 }  // namespace

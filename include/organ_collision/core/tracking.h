@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "organ_collision/core/nearest_triangle.h"
+
+namespace organ_collision::core {
+
+/// How a mesh has moved, as whoever moves it counts it.
+struct MeshMotion {
+  std::uint64_t build = 0;  ///< another number for every hierarchy that was built
+  double travel = 0.0;  ///< [m] sum, over the refits since, of the farthest that a vertex was moved
+};
+
+/// Follows one tip over one organ: each answer starts from what the last one learnt. The packets of
+/// triangles that were near are kept with lower bounds of their distances, and so is one bound for
+/// all the rest; every motion of tip and mesh lowers the bounds by its length. Only packets whose
+/// bound falls below the nearest distance are looked at again, and while that of the rest does not,
+/// the answer is exact without the tree.
+class Tracker {
+ public:
+  Tracker();
+  ~Tracker();
+  Tracker(Tracker&&) noexcept;
+  Tracker& operator=(Tracker&&) noexcept;
+
+  /// The same as the function of that name gives, bit for bit but for `work`. `organ` is at
+  /// `motion`. Throws as that does. Does not allocate once the thread has seen its widest search.
+  NearestTriangle nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+                                  const Eigen::Vector3d& tip);
+  NearestTriangle nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+                                  const Triangle& tip);
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
+
+}  // namespace organ_collision::core

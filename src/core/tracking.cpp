@@ -1,0 +1,140 @@
+#include "organ_collision/core/tracking.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/nearest_search.h"
+
+namespace organ_collision::core {
+
+/// Of the last query.
+struct Tracker::Memory {
+  Followed followed;  // in the unit frame
+  bool valid = false;
+  std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
+  std::size_t corner_count = 0;
+  MeshMotion motion;
+  double scale = 0.0;  // of the unit frame
+  double slack = 0.0;  // what is farther than the nearest by this is to be followed
+};
+
+namespace {
+
+/// As many packets are followed as cost little to keep, and seldom leave too little clear.
+constexpr std::uint32_t kFewPackets = 24;
+constexpr std::uint32_t kManyPackets = 40;
+constexpr double kSlackStep = 1.25;
+/// Sizes of a triangle, of those that would fill the organ's box, at first.
+constexpr double kFirstSlack = 4.0;
+
+template <class Tip, class Memory>
+class TrackedSearch : private NearestSearch<Tip> {
+ public:
+  TrackedSearch(const CollisionMesh& organ, const Tip& tip, const MeshMotion& motion,
+                Memory& memory)
+      : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
+
+  NearestTriangle run() {
+    this->followed = &memory_.followed;
+    if (!isNear()) {
+      memory_.valid = false;
+      this->followed = nullptr;
+      return NearestSearch<Tip>::run();
+    }
+    if (!follow()) walk();
+    remember();
+    return this->answer();
+  }
+
+ private:
+  static constexpr Accuracy kExact = {};
+
+  bool isNear() const {
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < this->corner_count; ++i)
+      for (const double coordinate : this->corners[i])
+        farthest = std::max(farthest, std::abs(coordinate));
+    return farthest < kFar;
+  }
+
+  /// How far tip and mesh have moved towards each other at most, in the unit frame.
+  double step() const {
+    constexpr double kRoundoff = 0x1p-53;
+    double farthest = 0.0;
+    const auto now = this->tip_.corners();
+    for (std::size_t i = 0; i < now.size(); ++i)
+      farthest = std::max(farthest, (now[i] - memory_.corners[i]).norm());
+    const double travel =
+        motion_.travel == memory_.motion.travel
+            ? 0.0
+            : motion_.travel - memory_.motion.travel + 4 * kRoundoff * motion_.travel;
+    return (farthest + travel) * (1 + 8 * kRoundoff) * this->scale_;
+  }
+
+  /// Whether the packets that are followed were enough.
+  bool follow() {
+    if (!memory_.valid || memory_.motion.build != motion_.build ||
+        memory_.motion.travel > motion_.travel || memory_.scale != this->scale_ ||
+        memory_.corner_count != this->tip_.corners().size())
+      return false;
+    const double step = this->step();
+    double& clear = memory_.followed.clear;
+    clear -= step + 0x1p-50 * clear;
+    if (!(clear > 0.0)) return false;
+    kernels().follow(*this, step);
+    this->bounds += memory_.followed.count;
+    return this->best < clear;
+  }
+
+  void walk() {
+    Followed& near = memory_.followed;
+    near.count = 0;
+    near.clear = this->unopened = std::numeric_limits<double>::infinity();
+    if (!memory_.valid)
+      memory_.slack =
+          kFirstSlack / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
+    this->slack = memory_.slack;
+    kernels().walk(*this);
+    if (near.count < kFewPackets) memory_.slack *= kSlackStep;
+    if (near.count > kManyPackets) memory_.slack /= kSlackStep;
+    const auto begin = near.bounds.begin();
+    const auto nearest = std::min_element(begin, begin + near.count);
+    std::swap(near.packets[0], near.packets[static_cast<std::size_t>(nearest - begin)]);
+    std::iter_swap(begin, nearest);
+  }
+
+  void remember() {
+    memory_.valid = true;
+    const auto now = this->tip_.corners();
+    std::copy(now.begin(), now.end(), memory_.corners.begin());
+    memory_.corner_count = now.size();
+    memory_.motion = motion_;
+    memory_.scale = this->scale_;
+  }
+
+  const MeshMotion& motion_;
+  Memory& memory_;
+};
+
+}  // namespace
+
+Tracker::Tracker() : memory_(std::make_unique<Memory>()) {}
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+                                         const Eigen::Vector3d& tip) {
+  requireUsable(tip, "tip", 0);
+  return withSign(organ, TrackedSearch(organ, PointTip(tip), motion, *memory_).run());
+}
+
+NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+                                         const Triangle& tip) {
+  for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
+  return withSign(organ, TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run());
+}
+
+}  // namespace organ_collision::core

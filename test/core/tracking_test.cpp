@@ -1,0 +1,139 @@
+#include "organ_collision/core/tracking.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "organs_and_tips.h"
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using test::organs;
+using test::queryCount;
+using test::randomPoint;
+using test::randomTip;
+
+void expectSame(const NearestTriangle& tracked, const NearestTriangle& searched) {
+  ASSERT_EQ(tracked.triangle, searched.triangle);
+  ASSERT_EQ(tracked.distance, searched.distance);
+  ASSERT_EQ(tracked.lower_bound, searched.lower_bound);
+  ASSERT_EQ(tracked.upper_bound, searched.upper_bound);
+  ASSERT_EQ(tracked.distance_signed, searched.distance_signed);
+  ASSERT_EQ(tracked.closest.point, searched.closest.point);
+  ASSERT_EQ(tracked.tip_point, searched.tip_point);
+  ASSERT_EQ(tracked.normal, searched.normal);
+}
+
+double sizeOf(const CollisionMesh& organ) {
+  return (organ.health().box.high - organ.health().box.low).maxCoeff();
+}
+
+/// The next place of a tip: it rests, creeps, moves or jumps.
+Eigen::Vector3d moved(const Eigen::Vector3d& tip, std::mt19937& generator,
+                      const CollisionMesh& organ) {
+  switch (generator() % 8) {
+    case 0:
+      return tip;
+    case 1:
+      return tip + randomPoint(generator, 1e-15 * sizeOf(organ));
+    case 2:
+      return generator() % 8 == 0 ? randomTip(generator, organ) : tip;
+    default:
+      return tip + randomPoint(generator, 0.01 * sizeOf(organ));
+  }
+}
+
+TEST(Tracker, FollowsAPointAsIfItSearched) {
+  std::mt19937 generator(31);
+  for (const CollisionMesh& organ : organs()) {
+    Tracker tracker;
+    Eigen::Vector3d tip = randomTip(generator, organ);
+    for (std::size_t i = 0; i < queryCount(3000); ++i) {
+      tip = moved(tip, generator, organ);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSame(tracker.nearestTriangle(organ, {}, tip), nearestTriangle(organ, tip)));
+    }
+  }
+}
+
+TEST(Tracker, FollowsATriangleAsIfItSearched) {
+  std::mt19937 generator(32);
+  for (const CollisionMesh& organ : organs()) {
+    Tracker tracker;
+    Triangle tip = test::randomTriangle(generator, organ);
+    for (std::size_t i = 0; i < queryCount(300); ++i) {
+      for (Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c})
+        *corner = moved(*corner, generator, organ);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSame(tracker.nearestTriangle(organ, {}, tip), nearestTriangle(organ, tip)));
+    }
+  }
+}
+
+TEST(Tracker, FollowsOverAMeshThatMovesAndIsRebuilt) {
+  std::mt19937 generator(33);
+  for (CollisionMesh organ : organs()) {
+    Tracker tracker;
+    MeshMotion motion;
+    Eigen::Vector3d tip = randomTip(generator, organ);
+    for (std::size_t i = 0; i < queryCount(300); ++i) {
+      Points positions = organ.mesh().positions();
+      const Eigen::Vector3d together = randomPoint(generator, 0.01 * sizeOf(organ));
+      double farthest = 0.0;
+      for (Eigen::Vector3d& position : positions) {
+        const Eigen::Vector3d former = position;
+        position += together + randomPoint(generator, 0.001 * sizeOf(organ));
+        farthest = std::max(farthest, (position - former).norm());
+      }
+      organ.refit(positions);
+      motion.travel += farthest;
+      if (i % 16 == 15) {
+        organ.rebuild();
+        ++motion.build;
+      }
+      tip = moved(tip, generator, organ);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip)));
+    }
+  }
+}
+
+TEST(Tracker, FollowsFromAPointToATriangleAndBack) {
+  const CollisionMesh organ(test::blob(4));
+  Tracker tracker;
+  const Eigen::Vector3d point(0.1, 0.1, 0.1);
+  const Triangle triangle = {point, {0.11, 0.1, 0.1}, {0.1, 0.11, 0.0}};
+  for (const int unused : {0, 1}) {
+    static_cast<void>(unused);
+    expectSame(tracker.nearestTriangle(organ, {}, point), nearestTriangle(organ, point));
+    expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
+  }
+}
+
+TEST(Tracker, LooksAtLessThanHalfOfTheTrianglesOfASearch) {
+  const CollisionMesh organ(test::blob(6));
+  Tracker tracker;
+  std::mt19937 generator(34);
+  Eigen::Vector3d tip(0.06, 0.06, 0.06);
+  std::uint64_t tracked = 0;
+  std::uint64_t searched = 0;
+  for (int i = 0; i < 1000; ++i) {
+    tip += Eigen::Vector3d(1e-5, -1e-5, 0.0) + randomPoint(generator, 1e-5);
+    tracked += tracker.nearestTriangle(organ, {}, tip).work.triangles;
+    searched += nearestTriangle(organ, tip).work.triangles;
+  }
+  EXPECT_LT(tracked, searched / 2);
+}
+
+TEST(Tracker, RefusesATipThatIsNotANumber) {
+  const CollisionMesh organ(test::cube());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Tracker().nearestTriangle(organ, {}, Eigen::Vector3d(0, nan, 0)),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace organ_collision::core
