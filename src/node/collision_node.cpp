@@ -17,7 +17,7 @@ namespace organ_collision::node {
 namespace {
 
 constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
-constexpr double kCatchUp = 0.02;           // [s] of poses that came together are answered at once
+constexpr double kCatchUp = 0.1;            // [s] of poses that came together are answered at once
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]

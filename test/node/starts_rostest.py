@@ -12,7 +12,7 @@ import roslib.packages
 import rospkg
 import rospy
 import yaml
-from rostest_support import PATIENCE, run
+from rostest_support import PATIENCE, run, wait_until
 
 from organ_collision.msg import MeshInfoArray
 
@@ -34,11 +34,17 @@ def scene(**fields):
     return {"organs": [organ()], "instruments": [instrument()], **fields}
 
 
-def start(name, described):
-    """A node of this name with this scene; none: without."""
+def start(name, described, **options):
+    """A node of this name with this scene; none: without. Options: as Popen's."""
     if described is not None:
         rospy.set_param(f"/{name}/scene", described)
-    return subprocess.Popen([NODE, f"__name:={name}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return subprocess.Popen([NODE, f"__name:={name}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            **options)
+
+
+def policies(process):
+    """How the kernel schedules each of its threads."""
+    return [os.sched_getscheduler(int(thread)) for thread in os.listdir(f"/proc/{process.pid}/task")]
 
 
 def written(folder, name, content):
@@ -170,11 +176,12 @@ class Starts(unittest.TestCase):
         finally:
             rospy.delete_param("/robot_description")
 
-    def check_that_it_runs(self, name, described):
+    def check_that_it_runs(self, name, described, while_it_runs=lambda process: None, **options):
         """Returns the names of its organs."""
-        process = start(name, described)
+        process = start(name, described, **options)
         try:
             infos = rospy.wait_for_message(f"/{name}/mesh_info", MeshInfoArray, PATIENCE)
+            while_it_runs(process)
             self.assertIsNone(process.poll())
         finally:
             process.send_signal(signal.SIGINT)
@@ -184,6 +191,17 @@ class Starts(unittest.TestCase):
 
     def test_a_good_scene_runs_until_it_is_stopped_and_ends_without_an_error(self):
         self.assertEqual(self.check_that_it_runs("good", scene()), ["liver"])
+
+    def test_real_time_priority_is_for_the_threads_that_answer_tips(self):
+        def check(process):
+            wait_until(lambda: policies(process).count(os.SCHED_OTHER) >= 5, "threads for services and updates")
+            self.assertEqual(os.sched_getscheduler(process.pid), os.SCHED_FIFO)
+
+        priority = functools.partial(os.sched_setscheduler, 0, os.SCHED_FIFO, os.sched_param(1))
+        try:
+            self.check_that_it_runs("urgent", scene(), check, preexec_fn=priority)
+        except subprocess.SubprocessError:
+            self.skipTest("this user may not give it")
 
     def test_every_scene_in_config_runs(self):
         config = os.path.join(rospkg.RosPack().get_path("organ_collision"), "config")
