@@ -2,8 +2,8 @@
 """Makes tables, JSON and plots of what the benchmarks measured: scripts/benchmark calls it.
 
 Usage: report.py RESULTS PAGE.md
-RESULTS has what query_benchmark, update_benchmark and node_latency wrote: query_*.json, update_*.json and
-node_latency.json. In PAGE.md the text between `<!-- NAME -->` and `<!-- end -->` is replaced by the table NAME;
+RESULTS has what query_benchmark, update_benchmark and node_latency wrote: query_*.json, update_*.json and, in a folder for
+each priority, node_latency.json. In PAGE.md the text between `<!-- NAME -->` and `<!-- end -->` is replaced by the table NAME;
 performance.json and the plots go beside it.
 """
 
@@ -95,9 +95,9 @@ def read(results):
     machine["processor"] = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
                                  if line.startswith("model name")), "unknown")
     machine["load"] = [min(loads), max(loads)]
-    latency = results / "node_latency.json"
     return {"machine": machine, "organs": dict(sorted(organs.items(), key=lambda item: item[1]["triangles"])),
-            "node_latency": json.loads(latency.read_text()) if latency.exists() else None}
+            "node_latency": {path.parent.name: json.loads(path.read_text())
+                             for path in sorted(results.glob("*/node_latency.json"))}}
 
 
 # ---- figures
@@ -196,12 +196,10 @@ def other_targets(results):
         0.35, exponent, f"{exponent or 0:.3f}")
     memory = [organ["update"]["build"][OWN_UPDATE]["hierarchy_bytes"] for organ in organs.values() if "update" in organ]
     add("hierarchy, bytes a triangle", 120, max(memory, default=None), f"{max(memory, default=0):.1f}")
-    latency = results["node_latency"]
-    for what, key, limit, scale in (("node end to end, median [ms]", "p50_us", 0.3, 1e-3),
-                                    ("node end to end, 99 % [ms]", "p99_us", 1.0, 1e-3),
-                                    ("node end to end, contacts lost", "lost", 0, 1)):
-        value = None if latency is None else latency[key] * scale
-        add(what, limit, value, f"{value or 0:.3g}")
+    for priority, node in results["node_latency"].items():
+        for what, key, limit, scale in (("median [ms]", "p50_us", 0.3, 1e-3), ("99 % [ms]", "p99_us", 1.0, 1e-3),
+                                        ("contacts lost", "lost", 0, 1)):
+            add(f"node end to end, {priority} priority, {what}", limit, node[key] * scale, f"{node[key] * scale:.3g}")
     return rows
 
 
@@ -292,14 +290,15 @@ def updates(results):
 
 
 def latency(results):
-    node = results["node_latency"]
-    if node is None:
+    if not results["node_latency"]:
         return "Not measured: the node was not built."
-    return table(["triangles", "instruments", "updates [1/s]", "tips sent", "lost", "p50 [ms]", "p99 [ms]", "p99.9 [ms]",
-                  "max [ms]", "cycle in the node, p50 / p99 [ms]"],
-                 [[thousands(node["triangles"]), node["instruments"], node["updates_hz"], thousands(node["sent"]),
-                   node["lost"]] + [f"{1e-3 * node[key]:.3f}" for key in ("p50_us", "p99_us", "p999_us", "max_us")] +
-                  [f"{1e-3 * node['cycle_p50_us']:.3f} / {1e-3 * node['cycle_p99_us']:.3f}"]])
+    return table(["priority", "load average", "triangles", "instruments", "updates [1/s]", "tips sent", "lost", "p50 [ms]",
+                  "p99 [ms]", "p99.9 [ms]", "max [ms]", "cycle in the node, p50 / p99 [ms]"],
+                 [[priority, node["load"], thousands(node["triangles"]), node["instruments"], node["updates_hz"],
+                   thousands(node["sent"]), node["lost"]] +
+                  [f"{1e-3 * node[key]:.3f}" for key in ("p50_us", "p99_us", "p999_us", "max_us")] +
+                  [f"{1e-3 * node['cycle_p50_us']:.3f} / {1e-3 * node['cycle_p99_us']:.3f}"]
+                  for priority, node in results["node_latency"].items()])
 
 
 def machine(results):
@@ -358,14 +357,17 @@ def draw_updates(organs, file):
     figure.savefig(file)
 
 
-def draw_latency(node, file):
-    figure, axis = plt.subplots(figsize=(8, 4))
-    ends, counts = np.array(node["histogram_us"]).T
-    axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
-    for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
-        axis.axvline(node[key], color=COLOURS[5], linewidth=1)
-        axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
-    axis.set(xscale="log", xlabel="from the transform sent to the contact received [us]", ylabel="share of tips")
+def draw_latency(nodes, file):
+    figure, all_axes = plt.subplots(len(nodes), 1, figsize=(8, 3 * len(nodes)), sharex=True, squeeze=False)
+    for axis, (priority, node) in zip(all_axes.flat, nodes.items()):
+        ends, counts = np.array(node["histogram_us"]).T
+        axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
+        for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
+            axis.axvline(node[key], color=COLOURS[5], linewidth=1)
+            axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
+        axis.set(xscale="log", ylabel="share of tips")
+        axis.set_title(f"{priority} priority", loc="left", fontsize="medium")
+    all_axes[-1, 0].set_xlabel("from the transform sent to the contact received [us]")
     figure.tight_layout()
     figure.savefig(file)
 

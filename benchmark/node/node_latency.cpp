@@ -13,7 +13,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <thread>
@@ -266,10 +266,13 @@ std::string json(const Result& result, std::size_t triangles, double update_rate
     return tools::significant(1e6 * tools::percentile(times, share), 4);
   };
   const std::vector<double>& latencies = result.latencies;
+  double load = 0.0;  // of the last minute, on all processors
+  getloadavg(&load, 1);
   return "{\n  \"triangles\": " + std::to_string(triangles) +
          ",\n  \"instruments\": " + std::to_string(kInstruments) +
          ",\n  \"rate_hz\": " + tools::significant(kRate) +
          ",\n  \"updates_hz\": " + tools::significant(update_rate) +
+         ",\n  \"load\": " + tools::significant(load) +
          ",\n  \"sent\": " + std::to_string(result.sent) +
          ",\n  \"lost\": " + std::to_string(result.lost()) +
          ",\n  \"p50_us\": " + us(latencies, 0.5) + ",\n  \"p99_us\": " + us(latencies, 0.99) +
