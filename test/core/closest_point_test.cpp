@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "exact_reference.h"
-#include "hard_triangles.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
+#include "reference/exact.h"
+#include "reference/hard_triangles.h"
 
 namespace organ_collision::core {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "exact_reference.h"
-#include "hard_triangles.h"
+#include "reference/exact.h"
+#include "reference/hard_triangles.h"
 
 namespace organ_collision::core {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact_reference.h"
-#include "hard_triangles.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/triangle_intersection.h"
-#include "triangle_pairs.h"
+#include "reference/exact.h"
+#include "reference/hard_triangles.h"
+#include "reference/triangle_pairs.h"
 
 namespace organ_collision::core {
 namespace {

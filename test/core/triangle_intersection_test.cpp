@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "exact_reference.h"
-#include "hard_triangles.h"
-#include "triangle_pairs.h"
+#include "reference/exact.h"
+#include "reference/hard_triangles.h"
+#include "reference/triangle_pairs.h"
 
 namespace organ_collision::core {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "hard_triangles.h"
+#include "reference/hard_triangles.h"
 
 namespace organ_collision::core {
 

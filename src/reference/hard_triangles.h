@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <random>
 
 #include "organ_collision/core/triangle_mesh.h"
@@ -43,7 +44,7 @@ struct Sample {
 /// the surface.
 class HardTriangles {
  public:
-  explicit HardTriangles(unsigned seed) : random_(seed) {}
+  explicit HardTriangles(std::uint64_t seed) : random_(seed) {}
 
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
@@ -64,6 +65,7 @@ class HardTriangles {
     const Eigen::Vector3d c = inCube();
     const double along = uniform(-0.2, 1.2);
     const double size = magnitude(-8, 0);
+    const Eigen::Vector3d step = inLattice();
     switch (shape) {
       case Shape::kRandom:
         return {a, b, c};
@@ -82,7 +84,7 @@ class HardTriangles {
         if (oneIn(4)) return {a, a, a};
         if (oneIn(3)) return {a, b, a};
         if (oneIn(2)) return {-a, a, 0.5 * a};
-        return {inLattice(), 2 * inLattice(), 3 * inLattice()};
+        return {2 * step, std::floor(4 * along) * step, -3 * step};
       case Shape::kLattice:
         return {inLattice(), inLattice(), inLattice()};
     }

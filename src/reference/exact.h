@@ -8,12 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <random>
 #include <vector>
 
+#include "organ_collision/core/box.h"
 #include "organ_collision/core/triangle_mesh.h"
 
-/// What the geometric kernels should answer, in exact rational arithmetic: slow, and as plain as
-/// can be.
+/// What the library should answer, in exact rational arithmetic: slow, and as plain as can be. For
+/// tests and for measuring.
 namespace organ_collision::core::exact {
 
 using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<>,
@@ -185,6 +187,87 @@ inline bool collinear(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                       const Eigen::Vector3d& c) {
   const Lattice lattice({a, b, c});
   return isZero(cross(lattice(b) - lattice(a), lattice(c) - lattice(a)));
+}
+
+/// The triangle of a mesh that is nearest to a point.
+struct Nearest {
+  TriangleId triangle;
+  Real distance;  ///< [m]
+};
+
+/// Those triangles whose boxes are not farther from `point` than some corner is: the nearest is
+/// among them.
+inline std::vector<TriangleId> candidates(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+  constexpr double kRounding = 1 + 0x1p-48;  // of squared lengths: twice six roundings are less
+  double reach = std::numeric_limits<double>::infinity();  // [m^2]
+  for (const Corners& corners : mesh.triangles()) {
+    reach = std::min(reach, squaredLength(mesh.position(corners[0]) - point));
+  }
+  std::vector<TriangleId> result;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const auto id = static_cast<TriangleId>(i);
+    if (squaredDistance(boxOf(mesh.triangle(id)), point) <= kRounding * reach) result.push_back(id);
+  }
+  return result;
+}
+
+inline Nearest nearest(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+  const std::vector<TriangleId> near = candidates(mesh, point);
+  std::vector<Eigen::Vector3d> points = {point};
+  for (const TriangleId id : near) {
+    const Triangle triangle = mesh.triangle(id);
+    points.insert(points.end(), {triangle.a, triangle.b, triangle.c});
+  }
+  const Lattice lattice(points);
+  TriangleId best = near.front();
+  Fraction least = squaredDistanceToTriangle(lattice(point), lattice(mesh.triangle(best)));
+  for (const TriangleId id : near) {
+    const Fraction squared = squaredDistanceToTriangle(lattice(point), lattice(mesh.triangle(id)));
+    if (!(squared < least)) continue;
+    best = id;
+    least = squared;
+  }
+  return {best, lattice.length(least)};
+}
+
+/// How a ray from the origin meets a triangle: +1 or -1 where it leaves through it with or against
+/// its normal, 0 where it misses it, nothing where it meets an edge or runs in the plane.
+/// REQUIRES: the triangle has an area, and the origin is not on it.
+inline std::optional<int> crossing(const Vector& ray, const Corners3& t) {
+  const std::array<int, 3> sides = {sign(dot(ray, cross(t[0], t[1]))),
+                                    sign(dot(ray, cross(t[1], t[2]))),
+                                    sign(dot(ray, cross(t[2], t[0])))};
+  const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+  if (*least < 0 && *most > 0) return 0;
+  if (*least == 0 || *most == 0) return std::nullopt;
+  return sides[0] == sign(dot(t[0], cross(t[1], t[2]))) ? sides[0] : 0;
+}
+
+/// How often a closed surface winds around `point`, which is not on it: what a ray that meets no
+/// edge crosses.
+inline int windingNumber(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+  std::vector<Eigen::Vector3d> points = mesh.positions();
+  points.push_back(point);
+  const Lattice lattice(points);
+  const Vector origin = lattice(point);
+  std::vector<Corners3> triangles;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const Corners3 t = lattice(mesh.triangle(static_cast<TriangleId>(i)));
+    if (isZero(cross(t[1] - t[0], t[2] - t[0]))) continue;
+    triangles.push_back({t[0] - origin, t[1] - origin, t[2] - origin});
+  }
+  std::mt19937 generator(1);
+  const auto coordinate = [&generator] { return Integer(generator()) - 0x80000000LL; };
+  for (;;) {
+    const Vector ray = {coordinate(), coordinate(), coordinate()};
+    int winding = 0;
+    const bool is_clear = std::all_of(triangles.begin(), triangles.end(), [&](const auto& t) {
+      const std::optional<int> turns = crossing(ray, t);
+      winding += turns.value_or(0);
+      return turns.has_value();
+    });
+    if (is_clear) return winding;
+  }
 }
 
 }  // namespace organ_collision::core::exact
