@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <iomanip>
 #include <sstream>
 
 #include "output.h"
@@ -67,12 +66,6 @@ std::vector<Column> columns() {
           {"greedy_nodes", "greedy", "nodes", 1, its(&PaperRow::greedy_nodes)},
           {"exact_boxes", "exact", "boxes", 1, its(&PaperRow::exact_boxes)},
           {"exact_triangles", "", "triangles", 1, its(&PaperRow::exact_triangles)}};
-}
-
-std::string fixed(double value, int decimals) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(decimals) << value;
-  return text.str();
 }
 
 /// One column's lines, padded to one width; a heading that several share may run over to the right.

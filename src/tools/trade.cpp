@@ -96,7 +96,7 @@ class Block {
         samples[s].gaps.push_back(answer.upper_bound - answer.lower_bound);
         samples[s].work.push_back(answer.work);
         samples[s].violations +=
-            isViolated(answer, exact, settings_[s].accuracy, tolerance) ? 1 : 0;
+            isViolated(answer, exact.distance, settings_[s].accuracy, tolerance) ? 1 : 0;
       }
     }
   }
@@ -169,15 +169,15 @@ Summary summarise(const Samples& samples, std::mt19937_64& generator) {
   return summary;
 }
 
-bool isViolated(const NearestTriangle& answer, const NearestTriangle& exact,
-                const core::Accuracy& accuracy, double tolerance) {
+bool isViolated(const NearestTriangle& answer, double truth, const core::Accuracy& accuracy,
+                double tolerance) {
   const Distances found(answer);
-  const double truth = std::abs(exact.distance);
-  const bool wrong_side = answer.distance_signed && truth > tolerance &&
-                          std::signbit(answer.distance) != std::signbit(exact.distance);
-  return wrong_side || found.lower > truth + tolerance || found.upper < truth - tolerance ||
-         found.distance < truth - tolerance ||
-         found.distance > longestPromised(accuracy, truth) + tolerance;
+  const double nearest = std::abs(truth);
+  const bool wrong_side = answer.distance_signed && nearest > tolerance &&
+                          std::signbit(answer.distance) != std::signbit(truth);
+  return wrong_side || found.lower > nearest + tolerance || found.upper < nearest - tolerance ||
+         found.distance < nearest - tolerance ||
+         found.distance > longestPromised(accuracy, nearest) + tolerance;
 }
 
 BandTrade measureBand(const core::CollisionMesh& organ, const std::string& name,

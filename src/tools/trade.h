@@ -49,9 +49,10 @@ struct Summary {
 };
 
 /// Whether `answer` is outside its own bounds, nearer or farther than its accuracy promises, or on
-/// a side that is wrong but called proven. `tolerance` [m] is what rounding may do.
-bool isViolated(const core::NearestTriangle& answer, const core::NearestTriangle& exact,
-                const core::Accuracy& accuracy, double tolerance);
+/// a side that is wrong but called proven. `truth` [m] is the true distance, negative inside;
+/// `tolerance` [m] is what rounding may do.
+bool isViolated(const core::NearestTriangle& answer, double truth, const core::Accuracy& accuracy,
+                double tolerance);
 
 /// REQUIRES: samples are not empty.
 Summary summarise(const Samples& samples, std::mt19937_64& generator);

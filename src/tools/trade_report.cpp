@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <utility>
 
@@ -19,12 +18,6 @@ constexpr double kPercent = 100.0;
 
 constexpr std::size_t kNearBands = 2;  // 0-1 and 1-5 mm, the first of bands()
 constexpr std::array<double, 3> kErrorsAskedFor = {1e-3, 1e-4, 1e-5};  // [m]
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text{};  // the largest double has 309 digits
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
-}
 
 /// A length [m] in mm that fits a column: 0 only if there is none.
 std::string millimetres(double length) {
@@ -44,16 +37,6 @@ std::string perQuery(double count) { return fixed(count, count < 1000.0 ? 1 : 0)
 std::string centred(const std::string& words, std::size_t width) {
   const std::size_t spare = width - std::min(width, words.size());
   return std::string(spare - spare / 2, ' ') + words + std::string(spare / 2, ' ');
-}
-
-/// `cells` right-aligned, the first left-aligned.
-std::string aligned(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) {
-  std::string line;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::string padding(widths[i] - std::min(widths[i], cells[i].size()), ' ');
-    line += i == 0 ? cells[i] + padding : padding + cells[i];
-  }
-  return line + '\n';
 }
 
 /// An upper limit [m] of what 99.9 % of a setting's errors stay below: the proven one, or with 95 %

@@ -20,6 +20,17 @@ TEST(Significant, KeepsSoManyDigitsAndNoZerosBehind) {
   EXPECT_EQ(significant(1.0 / 3.0, 9), "0.333333333");
 }
 
+TEST(Fixed, KeepsSoManyDecimals) {
+  EXPECT_EQ(fixed(1.25, 1), "1.2");
+  EXPECT_EQ(fixed(2.0, 2), "2.00");
+  EXPECT_EQ(fixed(1e300, 0).size(), 301U);
+}
+
+TEST(Aligned, PutsTheFirstCellToTheLeftAndTheOthersToTheRight) {
+  EXPECT_EQ(aligned({"ab", "1", "23"}, {4, 3, 3}), "ab    1 23\n");
+  EXPECT_EQ(aligned({"abc", "1234"}, {2, 3}), "abc1234\n");
+}
+
 TEST(CsvLine, QuotesOnlyWhatNeedsIt) {
   EXPECT_EQ(csvLine({"a", "1 mm", ""}), "a,1 mm,\n");
   EXPECT_EQ(csvLine({"", "b"}), ",b\n");

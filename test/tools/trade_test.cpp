@@ -50,36 +50,36 @@ TEST(Dial, GoesFromGreedyToExact) {
 class Violation : public testing::Test {
  protected:
   static constexpr double kRounding = 1e-16;  // [m]
-  NearestTriangle exact_ = answerOf(1.0, 1.0, 1.0, true);
-  NearestTriangle exact_inside_ = answerOf(-1.0, -1.0, -1.0, true);
+  static constexpr double kOutside = 1.0;     // [m] the truth
+  static constexpr double kInside = -1.0;     // [m] the truth
   core::Accuracy leaves_ = {0.0, 0.0, 2};
 };
 
 TEST_F(Violation, IsNotWhatTheBoundsHold) {
-  EXPECT_FALSE(isViolated(answerOf(1.5, 0.5, 1.5), exact_, leaves_, kRounding));
-  EXPECT_FALSE(isViolated(answerOf(1.5, 0.5, 1.5), exact_inside_, leaves_, kRounding));
-  EXPECT_FALSE(isViolated(answerOf(-1.5, -1.5, -0.5, true), exact_inside_, leaves_, kRounding));
+  EXPECT_FALSE(isViolated(answerOf(1.5, 0.5, 1.5), kOutside, leaves_, kRounding));
+  EXPECT_FALSE(isViolated(answerOf(1.5, 0.5, 1.5), kInside, leaves_, kRounding));
+  EXPECT_FALSE(isViolated(answerOf(-1.5, -1.5, -0.5, true), kInside, leaves_, kRounding));
 }
 
 TEST_F(Violation, IsATruthOutsideTheBounds) {
-  EXPECT_TRUE(isViolated(answerOf(1.5, 1.1, 1.5), exact_, leaves_, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(0.9, 0.5, 0.9), exact_, leaves_, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(1.0, 0.5, 0.9), exact_, leaves_, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(-1.5, -1.5, -1.1, true), exact_inside_, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(1.5, 1.1, 1.5), kOutside, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(0.9, 0.5, 0.9), kOutside, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(1.0, 0.5, 0.9), kOutside, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(-1.5, -1.5, -1.1, true), kInside, leaves_, kRounding));
 }
 
 TEST_F(Violation, IsADistanceBeyondThePromise) {
   const core::Accuracy relative = {0.1, 0.0, 0};
   const core::Accuracy absolute = {0.0, 0.2, 0};
-  EXPECT_FALSE(isViolated(answerOf(1.09, 0.9, 1.09), exact_, relative, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(1.11, 0.9, 1.11), exact_, relative, kRounding));
-  EXPECT_FALSE(isViolated(answerOf(1.19, 0.9, 1.19), exact_, absolute, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(1.21, 0.9, 1.21), exact_, absolute, kRounding));
+  EXPECT_FALSE(isViolated(answerOf(1.09, 0.9, 1.09), kOutside, relative, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(1.11, 0.9, 1.11), kOutside, relative, kRounding));
+  EXPECT_FALSE(isViolated(answerOf(1.19, 0.9, 1.19), kOutside, absolute, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(1.21, 0.9, 1.21), kOutside, absolute, kRounding));
 }
 
 TEST_F(Violation, IsAWrongSideThatIsCalledProven) {
-  EXPECT_TRUE(isViolated(answerOf(1.5, 0.5, 1.5, true), exact_inside_, leaves_, kRounding));
-  EXPECT_TRUE(isViolated(answerOf(-1.5, -1.5, -0.5, true), exact_, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(1.5, 0.5, 1.5, true), kInside, leaves_, kRounding));
+  EXPECT_TRUE(isViolated(answerOf(-1.5, -1.5, -0.5, true), kOutside, leaves_, kRounding));
 }
 
 TEST(MeasureBand, FindsNoErrorAndNoGapOfExactAnswers) {

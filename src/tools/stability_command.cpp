@@ -1,0 +1,94 @@
+#include "stability_command.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+
+#include "arguments.h"
+#include "output.h"
+#include "progress.h"
+#include "stability_report.h"
+
+namespace organ_collision::tools {
+namespace {
+
+constexpr std::size_t kFewestSamples = 100;  // one tip in each class
+
+constexpr const char* kUsage =
+    "usage: measure_stability [--output DIR] [--seed N] [--samples N]\n"
+    "\n"
+    "Measures how far answers are from the truth, known by exact arithmetic, at the extremes:\n"
+    "needles, caps, triangles without area, ties, far from the origin, at any scale. Prints a\n"
+    "table; writes stability.csv. A promise that is broken ends it with exit code 1.\n"
+    "\n"
+    "  --output DIR    where stability.csv is written (default: here)\n"
+    "  --seed N        of the random inputs (default 1): the same seed gives the same table\n"
+    "  --samples N     points and triangles in each class (default 100000); of pairs of\n"
+    "                  triangles there are a tenth, of tips around an organ a hundredth\n"
+    "  --help          this\n";
+
+struct Options {
+  std::filesystem::path output;
+  std::uint64_t seed;
+  std::size_t samples;
+};
+
+/// Throws UsageError.
+Options optionsFrom(const std::vector<std::string>& words) {
+  const Arguments arguments(words, {"--output", "--seed", "--samples"});
+  if (!arguments.words().empty()) {
+    throw UsageError(arguments.words().front() + ": no such argument is wanted");
+  }
+  Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
+                  arguments.whole("--samples", 100'000)};
+  if (options.samples < kFewestSamples) {
+    throw UsageError("--samples " + std::to_string(options.samples) + ": " +
+                     std::to_string(kFewestSamples) + " or more are wanted");
+  }
+  return options;
+}
+
+Stability measureAll(const Options& options) {
+  const std::vector<Extreme> classes = extremes();
+  const Trials trials(options.samples);
+  Progress progress("measuring", classes.size() * trials.tips);
+  Stability stability{options.samples, options.seed, {}};
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    stability.rows.push_back(measureStability(classes[i], trials, options.seed + i,
+                                              [&progress] { progress.advance(); }));
+  }
+  return stability;
+}
+
+/// Returns whether all promises are kept.
+bool run(const Options& options, std::ostream& out) {
+  requireWritableFolder(options.output);
+  const Stability stability = measureAll(options);
+  const std::filesystem::path file = options.output / "stability.csv";
+  writeFile(file, csv(stability));
+  out << report(stability) << "\nWritten: " << file.string() << std::endl;
+  return brokenPromises(stability).empty();
+}
+
+}  // namespace
+
+int measureStability(const std::vector<std::string>& words, std::ostream& out,
+                     std::ostream& errors) {
+  try {
+    if (std::find(words.begin(), words.end(), "--help") != words.end()) {
+      out << kUsage;
+      return 0;
+    }
+    if (run(optionsFrom(words), out)) return 0;
+    errors << "measure_stability: a promise is broken" << std::endl;
+    return 1;
+  } catch (const UsageError& error) {
+    errors << "measure_stability: " << error.what() << "; --help shows how it is used" << std::endl;
+    return 2;
+  } catch (const std::exception& error) {
+    errors << "measure_stability: " << error.what() << std::endl;
+    return 1;
+  }
+}
+
+}  // namespace organ_collision::tools

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace organ_collision::tools {
+
+/// The command `measure_stability`. `words`: without the program's name. The report goes to `out`,
+/// one message of what went wrong to `errors`. Returns the exit code: 0, 1 (a broken promise too),
+/// or 2 for wrong arguments.
+int measureStability(const std::vector<std::string>& words, std::ostream& out,
+                     std::ostream& errors);
+
+}  // namespace organ_collision::tools
