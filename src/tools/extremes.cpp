@@ -278,13 +278,8 @@ Extreme farTips() {
           ball(), [](Random& random, const TriangleMesh&) { return farAway(random); }};
 }
 
-Extreme scaledBy(int exponent) {
-  const Extreme any = {"", [](Random& random) { return random.sample(anyShape(random)); },
-                       [](Random& random) { return core::anyPair(random, anyShape(random)); },
-                       ball(), anywhere};
-  const double factor = std::ldexp(1.0, exponent);
-  return moved("times 2^" + std::to_string(exponent), any,
-               [factor](const Vector3d& x) { return Vector3d(factor * x); });
+Extreme scaledBy(double factor, const std::string& name, const Extreme& from) {
+  return moved(name, from, [factor](const Vector3d& x) { return Vector3d(factor * x); });
 }
 
 Extreme offsetBy(int exponent) {
@@ -310,7 +305,12 @@ std::vector<Extreme> extremes() {
       ofShape("mixed scales", Shape::kMixedScale, stretched({1e-6, 1, 1e6})),
   };
   for (const int exponent : {3, 6, 9, 12, 15}) all.push_back(offsetBy(exponent));
-  for (const int exponent : {-300, 300}) all.push_back(scaledBy(exponent));
+  all.push_back(scaledBy(1e-4, "0.1 mm in size", all.front()));
+  const Extreme any = {"", [](Random& random) { return random.sample(anyShape(random)); },
+                       [](Random& random) { return core::anyPair(random, anyShape(random)); },
+                       ball(), anywhere};
+  all.push_back(scaledBy(0x1p-300, "times 2^-300", any));
+  all.push_back(scaledBy(0x1p+300, "times 2^300", any));
   all.push_back(exponentiallySpaced());
   all.push_back({"one triangle", {}, {}, {kFourPoints, {corners(0, 1, 2)}}, anywhere});
   all.push_back(

@@ -24,8 +24,8 @@ struct Extreme {
 };
 
 /// All classes: needles, caps, triangles without area or in one place, scales from 1e-6 to 1e6 in
-/// one organ, 1e3 to 1e15 m from the origin, times 2^-300 and 2^300, spaced exponentially, one and
-/// two triangles, ties, tips on the surface and 1e30 m away.
+/// one organ, 1e3 to 1e15 m from the origin, times 1e-4, 2^-300 and 2^300, spaced exponentially,
+/// one and two triangles, ties, tips on the surface and 1e30 m away.
 std::vector<Extreme> extremes();
 
 }  // namespace organ_collision::tools
