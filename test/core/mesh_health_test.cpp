@@ -57,6 +57,11 @@ TEST(MeshHealth, GuessesMillimetres) {
   EXPECT_THAT(warnings(healthOf(test::cube(0.0002))), Contains(HasSubstr("small")));
 }
 
+TEST(MeshHealth, WarnsOfEverythingThatIsWrong) {
+  EXPECT_EQ(warnings({false, false, true, 1, 1, {{0, 0, 0}, {9, 9, 9}}}).size(), 6U);
+  EXPECT_EQ(warnings({true, true, false, 0, 0, {{0, 0, 0}, {1e-3, 0, 0}}}).size(), 1U);
+}
+
 TEST(MeshHealth, BoxLeavesOutVerticesThatNoTriangleUses) {
   Points points = test::cube().positions();
   points.emplace_back(100, 100, 100);

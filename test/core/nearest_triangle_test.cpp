@@ -18,6 +18,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 using test::organs;
+using test::queryCount;
 using test::randomTip;
 using test::randomTriangle;
 
@@ -36,7 +37,7 @@ TEST(NearestTriangle, OfACubeIsOnTheFaceInFront) {
 TEST(NearestTriangle, EqualsBruteForceBitForBit) {
   std::mt19937 generator(11);
   for (const CollisionMesh& organ : organs()) {
-    for (int i = 0; i < 3000; ++i) {
+    for (std::size_t i = 0; i < queryCount(3000); ++i) {
       const Eigen::Vector3d tip = randomTip(generator, organ);
       const NearestTriangle nearest = nearestTriangle(organ, tip);
       ASSERT_EQ(std::abs(nearest.distance),
