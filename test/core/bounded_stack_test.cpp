@@ -87,9 +87,9 @@ void useAll(const TriangleMesh& mesh) {
 TEST(BoundedStack, IsNoLargerForTheDeepestHierarchies) {
   const TriangleMesh shallow = equallySpaced();
   const TriangleMesh deep = exponentiallySpaced();
-  ASSERT_LT(FarthestPairTree(shallow).depth(), 50U);
-  ASSERT_GT(FarthestPairTree(deep).depth(), kLeastDepth);
-  ASSERT_LE(FarthestPairTree(deep).depth(), static_cast<std::size_t>(kTetrahedra));
+  ASSERT_LT(CollisionMesh(shallow).tree().depth(), 50U);
+  ASSERT_GT(CollisionMesh(deep).tree().depth(), kLeastDepth);
+  ASSERT_LE(CollisionMesh(deep).tree().depth(), static_cast<std::size_t>(kTetrahedra));
   const std::size_t needed = stackOf([&shallow] { useAll(shallow); });
   EXPECT_LE(stackOf([&deep] { useAll(deep); }), needed + kNoise);
   RecordProperty("bytes", static_cast<int>(needed));
