@@ -127,6 +127,30 @@ inline TriangleMesh blob(std::size_t levels) {
   return {points, sphere.triangles()};
 }
 
+/// Closed tetrahedra in a row, each an eighth as large as its place on the x axis [m] says.
+inline TriangleMesh tetrahedra(const std::vector<double>& places) {
+  Points points;
+  std::vector<Corners> triangles;
+  for (const double x : places) {
+    const double size = x / 8;
+    const std::size_t a = points.size();
+    points.insert(points.end(), {{x, 0, 0}, {x + size, 0, 0}, {x, size, 0}, {x, 0, size}});
+    for (const Corners& face : {corners(a, a + 2, a + 1), corners(a, a + 1, a + 3),
+                                corners(a, a + 3, a + 2), corners(a + 1, a + 2, a + 3)})
+      triangles.push_back(face);
+  }
+  return {points, triangles};
+}
+
+/// Tetrahedra of all sizes: from 2^exponent m on, each is half as far and half as large as the one
+/// before.
+inline TriangleMesh halvings(std::size_t count, int exponent = 0) {
+  std::vector<double> places;
+  for (std::size_t i = 0; i < count; ++i)
+    places.push_back(std::ldexp(1.0, exponent - static_cast<int>(i)));
+  return tetrahedra(places);
+}
+
 /// Unconnected random triangles, among them needles, zero-area ones and duplicates.
 inline TriangleMesh soup(std::size_t count, std::uint32_t seed) {
   std::mt19937 generator(seed);

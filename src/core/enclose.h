@@ -97,9 +97,9 @@ inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& 
   return vectorOf(to) - vectorOf(from.origin);
 }
 
-/// Adds what is below one node to a box in another's orientation.
-inline void addBelow(const WideNode* nodes, const TrianglePacket* packets, const WideNode& target,
-                     const WideNode& node, Fit fit, LaneBox& box) {
+/// Adds a node's packets to a box in another's orientation.
+inline void addPackets(const WideNode& node, const TrianglePacket* packets, const WideNode& target,
+                       Fit fit, LaneBox& box) {
   const std::uint32_t packet_count = node.lane_count - node.node_count;
   if (fit == Fit::kCorners) {
     for (std::uint32_t i = 0; i < packet_count; ++i) {
@@ -112,8 +112,16 @@ inline void addBelow(const WideNode* nodes, const TrianglePacket* packets, const
     box.add(boxOfPackets(node, {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
                          turnBetween(node, target)));
   }
-  for (std::uint32_t i = 0; i < node.node_count; ++i)
-    addBelow(nodes, packets, target, nodes[node.first_node + i], fit, box);
+}
+
+/// Adds what is below one node, level by level: those of a level follow one another.
+inline void addBelow(const WideNode* nodes, const TrianglePacket* packets, const WideNode& target,
+                     std::uint32_t top, Fit fit, LaneBox& box) {
+  for (std::uint32_t begin = top, end = top + 1; begin != end;) {
+    for (std::uint32_t i = begin; i < end; ++i) addPackets(nodes[i], packets, target, fit, box);
+    begin = nodes[begin].first_node;
+    end = nodes[end - 1].first_node + nodes[end - 1].node_count;
+  }
 }
 
 inline void enclose(WideNode* nodes, const TrianglePacket* packets, std::uint32_t self, Fit fit) {
@@ -129,8 +137,8 @@ inline void enclose(WideNode* nodes, const TrianglePacket* packets, std::uint32_
   LaneBox boxes[kLaneCount];
   for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
     if (lane < node.node_count) {
-      const WideNode& child = nodes[node.first_node + lane];
-      reach(child.origin, child.radius);
+      const std::uint32_t child = node.first_node + lane;
+      reach(nodes[child].origin, nodes[child].radius);
       boxes[lane] = emptyLaneBox();
       addBelow(nodes, packets, node, child, fit, boxes[lane]);
     } else {

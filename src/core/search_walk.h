@@ -13,8 +13,11 @@
 // by 4*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
 // 3*u*(d + 4*r). Together below 16*u*d + 64*(u + v)*r, which every bound gives away; that also
 // covers the 4*u*extent of the exact measurement, and the u*d by which the tip is rounded itself.
-// Triangles so small that products of their edges underflow are smaller than kTiny, which is given
-// away too.
+// Products of four edges, or of two and the square of the tip's distance, underflow in single
+// precision where edges are shorter than 2^-29 or edge times distance is below 2^-63; a point may
+// then be taken to lie beside a face, which is wrong by less than the edge, or the face's normal be
+// off by a third, which is wrong by less than 2^-27 (a normal that is not lost has edges of 2^-38
+// or more). Together below kTiny, which is given away too.
 namespace organ_collision::core {
 namespace {
 
@@ -25,7 +28,7 @@ constexpr float kFloatInfinity = __builtin_huge_valf();
 template <class Real>
 constexpr Real kRoundoff = sizeof(Real) == sizeof(float) ? Real{0x1p-24} : Real{0x1p-53};
 
-constexpr float kTiny = 0x1p-56F;
+constexpr float kTiny = 0x1p-26F;
 
 template <class Real>
 inline Real magnitudeOf(Real x) {
@@ -254,8 +257,9 @@ class Walk {
     if (promised_) measure(promised_leaf_);
     leaveOut(leastOf(left_out_));
     // Left out because it was farther than the best of its time, it is farther than the last.
-    if (static_cast<Real>(search_.unopened) >= static_cast<Real>(search_.best))
-      search_.unopened = kInfinity;
+    const bool is_exact =
+        search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
+    if (is_exact || search_.unopened >= search_.best) search_.unopened = kInfinity;
   }
 
   void scanFollowed(std::uint32_t i) {

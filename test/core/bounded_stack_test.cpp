@@ -4,9 +4,9 @@
 #include <pthread.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <stdexcept>
 #include <vector>
 
@@ -19,9 +19,10 @@ namespace {
 
 constexpr std::size_t kStack = 0x1p23;  // [bytes] of a thread; what it needs is measured
 constexpr std::size_t kNoise = 0x1p12;  // [bytes] that sorting in another order may take: 20 levels
-constexpr int kTetrahedra = 1100;
+constexpr std::size_t kTetrahedra = 1100;
 // From 2^490 m to where squares underflow, 2^-537 m, every halving is a level; what is nearer to 0
 // coincides, and is split in halves.
+constexpr int kLargest = 490;
 constexpr std::size_t kLeastDepth = 1000;
 
 /// How much of its stack a thread needs for `action` [bytes].
@@ -46,34 +47,11 @@ std::size_t stackOf(std::function<void()> action) {
   return static_cast<std::size_t>(stack.end() - deepest) * sizeof kUntouched;
 }
 
-/// Closed tetrahedra in a row, each an eighth as large as its place on the x axis [m] says.
-TriangleMesh tetrahedra(const std::function<double(int)>& place) {
-  Points points;
-  std::vector<Corners> triangles;
-  for (int i = 0; i < kTetrahedra; ++i) {
-    const double x = place(i);
-    const double size = x / 8;
-    const std::size_t first = points.size();
-    points.insert(points.end(), {{x, 0, 0}, {x + size, 0, 0}, {x, size, 0}, {x, 0, size}});
-    for (const auto& [a, b, c] : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
-      triangles.push_back(test::corners(first + a, first + b, first + c));
-  }
-  return {points, triangles};
-}
-
-TriangleMesh equallySpaced() {
-  return tetrahedra([](int i) { return 8.0 * kTetrahedra + i; });
-}
-/// Each half as far as the one before, from 2^490 m down to denormals.
-TriangleMesh exponentiallySpaced() {
-  return tetrahedra([](int i) { return std::ldexp(1.0, 490 - i); });
-}
-
 /// Builds, refits, asks, rebuilds.
 void useAll(const TriangleMesh& mesh) {
   CollisionMesh organ(mesh);
   organ.refit(organ.mesh().positions());
-  for (int i = 0; i < kTetrahedra; i += 100) {
+  for (std::size_t i = 0; i < kTetrahedra; i += 100) {
     const Eigen::Vector3d tip = 1.01 * mesh.position(static_cast<VertexId>(4 * i));
     for (const Accuracy& accuracy :
          {Accuracy::exact(), Accuracy::greedy(), Accuracy{0.1, 0, 0}, Accuracy{0, 0, 64}})
@@ -85,19 +63,21 @@ void useAll(const TriangleMesh& mesh) {
 }
 
 TEST(BoundedStack, IsNoLargerForTheDeepestHierarchies) {
-  const TriangleMesh shallow = equallySpaced();
-  const TriangleMesh deep = exponentiallySpaced();
+  std::vector<double> places(kTetrahedra);
+  std::iota(places.begin(), places.end(), 8.0 * kTetrahedra);
+  const TriangleMesh shallow = test::tetrahedra(places);
+  const TriangleMesh deep = test::halvings(kTetrahedra, kLargest);
   ASSERT_LT(CollisionMesh(shallow).tree().depth(), 50U);
   ASSERT_GT(CollisionMesh(deep).tree().depth(), kLeastDepth);
-  ASSERT_LE(CollisionMesh(deep).tree().depth(), static_cast<std::size_t>(kTetrahedra));
+  ASSERT_LE(CollisionMesh(deep).tree().depth(), kTetrahedra);
   const std::size_t needed = stackOf([&shallow] { useAll(shallow); });
   EXPECT_LE(stackOf([&deep] { useAll(deep); }), needed + kNoise);
   RecordProperty("bytes", static_cast<int>(needed));
 }
 
 TEST(BoundedStack, AnswersAreRightInTheDeepestHierarchies) {
-  const CollisionMesh organ(exponentiallySpaced());
-  for (const int exponent : {490, 100, 0, -100, -490}) {
+  const CollisionMesh organ(test::halvings(kTetrahedra, kLargest));
+  for (const int exponent : {kLargest, 100, 0, -100, -490}) {
     const double x = std::ldexp(1.0, exponent);
     EXPECT_EQ(nearestTriangle(organ, Eigen::Vector3d(x, -x, 0)).distance, x);
     EXPECT_EQ(windingNumber(organ, x * Eigen::Vector3d(1.02, 0.02, 0.02)), 1);

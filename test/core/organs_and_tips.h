@@ -12,7 +12,7 @@
 // What is asked in random tests: about which surfaces, from where.
 namespace organ_collision::test {
 
-/// All kinds of surfaces: closed, open, flat with ties everywhere, broken.
+/// All kinds of surfaces: closed, open, flat with ties everywhere, broken, with parts of all sizes.
 inline const std::vector<core::CollisionMesh>& organs() {
   static const std::vector<core::CollisionMesh> all = {
       core::CollisionMesh(cube()),
@@ -21,6 +21,7 @@ inline const std::vector<core::CollisionMesh>& organs() {
       core::CollisionMesh(row(101)),
       core::CollisionMesh(blob(4)),
       core::CollisionMesh(soup(500, 3)),
+      core::CollisionMesh(halvings(40)),
       core::CollisionMesh(TriangleMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {corners(0, 1, 2)}))};
   return all;
 }
@@ -31,17 +32,20 @@ inline Eigen::Vector3d randomTip(std::mt19937& generator, const core::CollisionM
   const double size = (box.high - box.low).maxCoeff();
   const Points& positions = organ.mesh().positions();
   const Eigen::Vector3d vertex = positions[generator() % positions.size()];
-  const auto triangle = static_cast<core::TriangleId>(generator() % organ.mesh().triangleCount());
-  switch (generator() % 6) {
+  const core::Triangle corners = organ.mesh().triangle(
+      static_cast<core::TriangleId>(generator() % organ.mesh().triangleCount()));
+  switch (generator() % 7) {
     case 0:
       return vertex;
     case 1:
-      return core::centroid(organ.mesh().triangle(triangle));
+      return core::centroid(corners);
     case 2:
       return vertex + randomPoint(generator, 0.01 * size);
     case 3:
       return 0.5 * (box.low + box.high) + randomPoint(generator, size);
-    case 4:
+    case 4:  // as near as the triangle is large
+      return corners.a + randomPoint(generator, (corners.b - corners.a).norm());
+    case 5:
       return Eigen::Vector3d(std::round(vertex.x()), std::round(vertex.y()), 0.5 * size);
     default:
       return randomPoint(generator, 100.0 * size);
