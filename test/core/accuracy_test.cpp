@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "brute_force.h"
+#include "every_vector_unit.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/sign.h"
 #include "organs_and_tips.h"
@@ -47,7 +48,10 @@ void expectPromises(const NearestTriangle& nearest, const Accuracy& accuracy, do
   ASSERT_LE(std::abs(nearest.distance), std::abs(truth) + allowed + slack);
 }
 
-TEST(Accuracy, BoundsErrorsAndSignsHoldTheTruthAtEverySetting) {
+class EveryAccuracy : public test::EveryVectorUnit {};
+ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(EveryAccuracy);
+
+TEST_P(EveryAccuracy, KeepsItsPromisesOfErrorsBoundsAndSigns) {
   std::mt19937 generator(14);
   for (const CollisionMesh& organ : organs()) {
     for (std::size_t i = 0; i < queryCount(1300); ++i) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "brute_force.h"
+#include "every_vector_unit.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "test_meshes.h"
 
@@ -35,7 +36,10 @@ void expectBruteForce(const CollisionMesh& organ, std::mt19937& generator) {
   }
 }
 
-TEST(CollisionMesh, RefitAndRebuildFollowTheDeformation) {
+class MovedMesh : public test::EveryVectorUnit {};
+ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(MovedMesh);
+
+TEST_P(MovedMesh, AnswersAtItsNewPlaceAfterRefitAndRebuild) {
   std::mt19937 generator(31);
   const Points original = test::blob(4).positions();
   CollisionMesh organ(test::blob(4));
@@ -47,7 +51,7 @@ TEST(CollisionMesh, RefitAndRebuildFollowTheDeformation) {
   }
 }
 
-TEST(CollisionMesh, APartialRefitAnswersLikeANewMesh) {
+TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
   std::mt19937 generator(32);
   const double sizes[] = {0.001, 0.02, 0.3};  // [m] the last is beyond the box
   for (const TriangleMesh& mesh : {test::blob(4), test::grid(20, 20), test::soup(300, 3)}) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "brute_force.h"
+#include "every_vector_unit.h"
 #include "organs_and_tips.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
@@ -34,7 +35,10 @@ TEST(NearestTriangle, OfACubeIsOnTheFaceInFront) {
             -std::sqrt((1.0 - 0.9) * (1.0 - 0.9)));
 }
 
-TEST(NearestTriangle, EqualsBruteForceBitForBit) {
+class NearestTriangleOf : public test::EveryVectorUnit {};
+ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(NearestTriangleOf);
+
+TEST_P(NearestTriangleOf, PointTipsEqualsBruteForceBitForBit) {
   std::mt19937 generator(11);
   for (const CollisionMesh& organ : organs()) {
     for (std::size_t i = 0; i < queryCount(3000); ++i) {
@@ -50,7 +54,7 @@ TEST(NearestTriangle, EqualsBruteForceBitForBit) {
   }
 }
 
-TEST(NearestTriangle, EqualsBruteForceBitForBitForTriangleTips) {
+TEST_P(NearestTriangleOf, TriangleTipsEqualsBruteForceBitForBit) {
   std::mt19937 generator(12);
   for (const CollisionMesh& organ : organs()) {
     for (int i = 0; i < 200; ++i) {

@@ -20,7 +20,7 @@ namespace organ_collision::core {
 ///
 /// Invariants: every leaf of the hierarchy is in one lane of one packet; a lane's box holds what is
 /// below it, moved to the node's origin and turned into its orientation, in exact arithmetic;
-/// children come after parents, level by level; lanes that are not in use repeat the first one.
+/// children come after parents, level by level; lanes that are not in use repeat others.
 /// Sources: A. Dammertz et al., "Shallow bounding volume hierarchies" (2008), for wide nodes;
 /// S. Gottschalk et al., "OBBTree" (1996), for the orientation.
 enum class Fit : std::uint8_t;

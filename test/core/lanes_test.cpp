@@ -1,0 +1,80 @@
+// The lanes of the baseline. That other vector units give the same bits is in vector_unit_test.
+#include "core/lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace organ_collision::core {
+namespace {
+
+constexpr std::uint32_t kAll = 0xFF;
+
+template <class Real>
+class LanesOf : public testing::Test {
+ protected:
+  static constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
+
+  /// Different in every lane, of both signs.
+  static Lanes<Real> some() { return Lanes<Real>::numbers() - Lanes<Real>::all(Real{2.5}); }
+  static Real some(std::uint32_t lane) { return static_cast<Real>(lane) - Real{2.5}; }
+};
+
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(LanesOf, Reals);
+
+TYPED_TEST(LanesOf, AreLoadedStoredAndReadInOrder) {
+  alignas(64) const float values[kLanes] = {3, 1, 4, 1.5F, -9, 2, 6, 5};
+  const Lanes<TypeParam> lanes = Lanes<TypeParam>::load(values);
+  TypeParam stored[kLanes];
+  lanes.store(stored);
+  for (std::uint32_t i = 0; i < kLanes; ++i) {
+    EXPECT_EQ(lanes[i], TypeParam{values[i]});
+    EXPECT_EQ(stored[i], TypeParam{values[i]});
+    EXPECT_EQ(Lanes<TypeParam>::all(7)[i], 7);
+    EXPECT_EQ(Lanes<TypeParam>::numbers()[i], static_cast<TypeParam>(i));
+  }
+}
+
+TYPED_TEST(LanesOf, AreCalculatedOneByOne) {
+  const Lanes<TypeParam> x = this->some();
+  const Lanes<TypeParam> y = Lanes<TypeParam>::numbers() * Lanes<TypeParam>::all(3);
+  for (std::uint32_t i = 0; i < kLanes; ++i) {
+    const TypeParam a = this->some(i);
+    const auto b = static_cast<TypeParam>(3 * i);
+    EXPECT_EQ((x + y)[i], a + b);
+    EXPECT_EQ((x - y)[i], a - b);
+    EXPECT_EQ((x * y)[i], a * b);
+    EXPECT_EQ((y / x)[i], b / a);
+    EXPECT_EQ(root(y)[i], std::sqrt(b));
+    EXPECT_EQ(magnitude(x)[i], std::abs(a));
+    EXPECT_EQ(larger(x, y)[i], std::max(a, b));
+    EXPECT_EQ(smaller(x, y)[i], std::min(a, b));
+  }
+  EXPECT_EQ(leastOf(x), TypeParam{-2.5});
+  EXPECT_EQ(leastOf(Lanes<TypeParam>{} - x), TypeParam{-4.5});
+}
+
+TYPED_TEST(LanesOf, GiveTheSecondWhereTheFirstIsNotANumber) {
+  const Lanes<TypeParam> nan = Lanes<TypeParam>::all(this->kNaN);
+  EXPECT_EQ(larger(nan, this->some())[1], this->some(1));
+  EXPECT_EQ(smaller(nan, this->some())[1], this->some(1));
+}
+
+TYPED_TEST(LanesOf, AreComparedOneByOne) {
+  const Lanes<TypeParam> x = this->some();
+  const Truth<TypeParam> negative = x <= Lanes<TypeParam>{};
+  EXPECT_EQ(negative.bits(), 0b00000111U);
+  EXPECT_EQ((!negative).bits(), 0b11111000U);
+  EXPECT_EQ((negative & (Lanes<TypeParam>::all(TypeParam{-1.5}) <= x)).bits(), 0b00000110U);
+  EXPECT_EQ((x <= x).bits(), kAll);
+  EXPECT_EQ((Lanes<TypeParam>::all(this->kNaN) <= x).bits(), 0U);
+  const Lanes<TypeParam> chosen = select(negative, Lanes<TypeParam>::all(1), x);
+  for (std::uint32_t i = 0; i < kLanes; ++i)
+    EXPECT_EQ(chosen[i], i < 3 ? TypeParam{1} : this->some(i));
+}
+
+}  // namespace
+}  // namespace organ_collision::core

@@ -1,0 +1,96 @@
+#include "organ_collision/core/vector_unit.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <tuple>
+
+#include "every_vector_unit.h"
+#include "organ_collision/core/nearest_triangle.h"
+#include "organs_and_tips.h"
+
+namespace organ_collision::core {
+namespace {
+
+using test::organs;
+
+TEST(VectorUnit, IsTheWidestThatTheMachineHas) {
+  EXPECT_EQ(availableVectorUnits().front(), VectorUnit::kBaseline);
+  EXPECT_EQ(vectorUnit(), availableVectorUnits().back());
+}
+
+TEST(VectorUnit, RefusesOneThatIsNotThereAndKeepsTheOneInUse) {
+  EXPECT_THROW(useVectorUnit(VectorUnit{3}), std::invalid_argument);
+  EXPECT_EQ(vectorUnit(), availableVectorUnits().back());
+}
+
+/// What a hierarchy is made of, as the vector units write it.
+auto contents(const WideNode& node) {
+  return std::tie(node.low, node.high, node.axes, node.origin, node.radius, node.first_node,
+                  node.first_packet, node.node_count, node.lane_count);
+}
+
+auto contents(const NearestTriangle& nearest) {
+  return std::tie(nearest.triangle, nearest.closest.point, nearest.closest.offset,
+                  nearest.closest.barycentric, nearest.closest.squared_distance,
+                  nearest.closest.feature, nearest.tip_point, nearest.normal, nearest.distance,
+                  nearest.lower_bound, nearest.upper_bound, nearest.distance_signed,
+                  nearest.work.bounds, nearest.work.triangles);
+}
+
+/// Runs `action` with the baseline, then again with the unit that the test is about.
+template <class Action>
+auto onBoth(VectorUnit unit, const Action& action) {
+  useVectorUnit(VectorUnit::kBaseline);
+  auto expected = action();
+  useVectorUnit(unit);
+  return std::pair(std::move(expected), action());
+}
+
+class EachVectorUnit : public test::EveryVectorUnit {};
+ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(EachVectorUnit);
+
+TEST_P(EachVectorUnit, IsInUseOnceChosen) { EXPECT_EQ(vectorUnit(), GetParam()); }
+
+TEST_P(EachVectorUnit, ChangesNoBitOfAHierarchy) {
+  const auto expect_same = [](const CollisionMesh& expected, const CollisionMesh& found) {
+    ASSERT_EQ(found.wideTree().nodes().size(), expected.wideTree().nodes().size());
+    for (std::size_t i = 0; i < expected.wideTree().nodes().size(); ++i)
+      ASSERT_EQ(contents(found.wideTree().nodes()[i]), contents(expected.wideTree().nodes()[i]));
+  };
+  for (const CollisionMesh& organ : organs()) {
+    const auto built = onBoth(GetParam(), [&] { return CollisionMesh(organ.mesh()); });
+    ASSERT_NO_FATAL_FAILURE(expect_same(built.first, built.second));
+    const auto refitted = onBoth(GetParam(), [&] {
+      CollisionMesh moved = organ;
+      Points positions = organ.mesh().positions();
+      for (Eigen::Vector3d& point : positions) point.z() += 0.1 * point.x() * point.y();
+      moved.refit(positions);
+      moved.refit({VertexId{0}, VertexId{2}}, {positions[1], positions[0]});
+      return moved;
+    });
+    ASSERT_NO_FATAL_FAILURE(expect_same(refitted.first, refitted.second));
+  }
+}
+
+TEST_P(EachVectorUnit, ChangesNoBitOfAnAnswer) {
+  std::mt19937 generator(71);
+  for (const CollisionMesh& organ : organs()) {
+    for (std::size_t i = 0; i < test::queryCount(300); ++i) {
+      const Eigen::Vector3d tip = test::randomTip(generator, organ);
+      const Triangle triangle = test::randomTriangle(generator, organ);
+      for (const Accuracy& accuracy :
+           {Accuracy{0, 0, 1}, Accuracy{0, 0, 16}, Accuracy{0.05, 0, 0}, Accuracy::exact()}) {
+        const auto of_point =
+            onBoth(GetParam(), [&] { return nearestTriangle(organ, tip, accuracy); });
+        ASSERT_EQ(contents(of_point.second), contents(of_point.first));
+        const auto of_triangle =
+            onBoth(GetParam(), [&] { return nearestTriangle(organ, triangle, accuracy); });
+        ASSERT_EQ(contents(of_triangle.second), contents(of_triangle.first));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core
