@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "exact_reference.h"
 #include "organs_and_tips.h"
+#include "reference/exact.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
