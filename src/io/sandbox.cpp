@@ -50,14 +50,17 @@ void limitMemory(std::size_t more) {
 
 void limitThisProcess(const ChildLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal :
-       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGPIPE, SIGXCPU}) {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE, SIGXCPU}) {
     std::signal(signal, SIG_DFL);  // the parent's handlers know nothing of this process
+  }
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, SIG_IGN);  // Ctrl-C reaches this process too: the parent decides
   }
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   lower(RLIMIT_CORE, 0);
+  lower(RLIMIT_FSIZE, 0);  // it has nothing to write but to the pipe
   lower(RLIMIT_CPU, static_cast<rlim_t>(std::ceil(limits.seconds)) + 1);
   limitMemory(limits.memory);
 }

@@ -24,10 +24,16 @@ constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
 constexpr double kTransformPatience = 0.1;  // [s] that a service waits for a transform
 constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
-constexpr unsigned kSpinnerThreads = 4;   // so that a few large batches do not keep updates waiting
-constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
+constexpr double kTransformPeriod = 0.005;  // [s] between two looks while it waits
+constexpr double kMasterPeriod = 1.0;       // [s] between two questions whether it knows this node
+constexpr unsigned kSpinnerThreads = 4;     // so that large batches do not keep small ones waiting
+constexpr unsigned kTfQueue = 100;          // as tf2_ros has it
+constexpr unsigned kContactsQueue = 100;    // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
     100;  // taken in faster than they come: each is only added to what waits
+constexpr std::size_t kMostPoints = 100'000;        // in one call: answered within a second or so
+constexpr std::size_t kMostTriangles = 10'000'000;  // of a new topology: some GB
+constexpr std::uint32_t kLargestGap = 10'000;       // of sequence numbers: a larger one is no loss
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
   node.setCallbackQueue(&queue);
@@ -47,6 +53,12 @@ bool answer(Response& response, Body body) {
   return true;
 }
 
+void requireAtMost(std::size_t most, std::size_t count, const char* what) {
+  if (count <= most) return;
+  throw std::invalid_argument(std::to_string(count) + " " + what + " in one call: at most " +
+                              std::to_string(most) + " are allowed");
+}
+
 void requireFrame(const std::string& frame, const Organ& organ) {
   if (frame == organ.frame()) return;
   throw std::invalid_argument("frame_id is '" + frame + "', but the mesh of " + organ.name() +
@@ -60,14 +72,16 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       organs_(loadOrgans(scene_, node)),
       instruments_(loadInstruments(scene_, node)),
       tf_node_(onQueue(node, tf_queue_)),
-      listener_(buffer_, tf_node_, false, ros::TransportHints().tcpNoDelay()),
+      intake_(buffer_),
       cycle_(scene_, instruments_, organs_, buffer_),
       proximity_cycle_(scene_, instruments_, organs_, buffer_),
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
       diagnostics_(node, private_node, ros::this_node::getName()),
+      update_spinner_(1, &update_queue_),
       spinner_(kSpinnerThreads) {
-  buffer_.setUsingDedicatedThread(true);  // run() is it
+  hearTf("/tf", false);
+  hearTf("/tf_static", true);
 
   OrganCollisionConfig config;
   config.max_relative_error = scene_.accuracy.max_relative_error;
@@ -93,19 +107,25 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   for (const auto& organ : organs_) organ->setSignal(organs_wait_);
   updater_ = std::thread(&CollisionNode::updateOrgans, this);
   mesh_update_subscriber_ =
-      private_node.subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
-                             ros::TransportHints().tcpNoDelay());
+      onQueue(private_node, update_queue_)
+          .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
+                     ros::TransportHints().tcpNoDelay());
   services_ = {private_node.advertiseService("find_nearest_triangle",
                                              &CollisionNode::findNearestTriangle, this),
                private_node.advertiseService("find_triangles_within",
                                              &CollisionNode::findTrianglesWithin, this),
                private_node.advertiseService("update_mesh", &CollisionNode::updateMesh, this),
                private_node.advertiseService("get_mesh", &CollisionNode::getMesh, this)};
-  timers_ = {
-      private_node.createWallTimer(ros::WallDuration(kMarkerPeriod),
-                                   [this](const ros::WallTimerEvent&) { publishMarkers(); }),
-      private_node.createWallTimer(ros::WallDuration(kDiagnosticPeriod),
-                                   [this](const ros::WallTimerEvent&) { diagnostics_.update(); })};
+  const auto every = [&](double period, void (CollisionNode::*action)()) {
+    timers_.push_back(private_node.createSteadyTimer(
+        ros::WallDuration(period),
+        [this, action](const ros::SteadyTimerEvent&) { (this->*action)(); }));
+  };
+  every(kMarkerPeriod, &CollisionNode::publishMarkers);
+  every(kDiagnosticPeriod, &CollisionNode::publishDiagnostics);
+  every(kMasterPeriod, &CollisionNode::checkMaster);
+  master_watch_.check();
+  update_spinner_.start();
   spinner_.start();
   for (const std::string& sentence : report(scene_, instruments_, organs_))
     ROS_INFO("%s", sentence.c_str());
@@ -114,28 +134,40 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
 }
 
 CollisionNode::~CollisionNode() {
+  update_spinner_.stop();
   spinner_.stop();
   stopping_ = true;
   organs_wait_->raise();
   updater_.join();
 }
 
+void CollisionNode::hearTf(const std::string& topic, bool is_static) {
+  using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
+  const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
+    const std::string refusal = intake_.take(*event.getConstMessage(), event.getPublisherName(),
+                                             is_static, ros::Time::now());
+    if (!refusal.empty()) ROS_WARN_THROTTLE(kWarningPeriod, "%s", refusal.c_str());
+  };
+  tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
+      topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+}
+
 void CollisionNode::run() {
-  const ros::WallDuration shortest(1.0 / scene_.rate);
   const ros::WallDuration heartbeat(kHeartbeat);
+  const ros::WallDuration shortest(std::min(1.0 / scene_.rate, kHeartbeat));
   const ros::WallDuration credit = std::max(shortest, ros::WallDuration(kCatchUp));
-  ros::WallTime last_published = ros::WallTime::now();
-  ros::WallTime due = last_published;  // the rate allows the next cycle
+  ros::SteadyTime last_published = ros::SteadyTime::now();  // no clock that is set or simulated
+  ros::SteadyTime due = last_published;                     // the rate allows the next cycle
   while (ros::ok()) {
-    const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::WallTime::now();
+    const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::SteadyTime::now();
     // One at a time: every pose gets its contact, as long as the rate allows.
     tf_queue_.callOne(std::max(to_heartbeat, ros::WallDuration(0)));
-    const ros::WallDuration too_early = due - ros::WallTime::now();
+    const ros::WallDuration too_early = due - ros::SteadyTime::now();
     if (too_early > ros::WallDuration(0)) {
       too_early.sleep();
       tf_queue_.callAvailable();
     }
-    const ros::WallTime now = ros::WallTime::now();
+    const ros::SteadyTime now = ros::SteadyTime::now();
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
     if (!tips_moved && !others_moved && now - last_published < heartbeat) continue;
@@ -165,12 +197,12 @@ void CollisionNode::publishCycle() {
 }
 
 void CollisionNode::warn(const std::vector<Complaint>& complaints) {
-  const ros::WallTime now = ros::WallTime::now();
-  std::map<std::string, ros::WallTime> warn_at;
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  std::map<std::string, ros::SteadyTime> warn_at;
   for (const Complaint& complaint : complaints) {
     const std::string pair = complaint.first + " to " + complaint.second;
     const auto known = warn_at_.find(pair);
-    ros::WallTime& due = warn_at[pair] =
+    ros::SteadyTime& due = warn_at[pair] =
         known == warn_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
     if (now < due) continue;
     due = now + ros::WallDuration(kWarningPeriod);
@@ -200,20 +232,23 @@ Organ& CollisionNode::organNamed(const std::string& name) const {
 }
 
 FramePose CollisionNode::waitForPose(const Organ& organ, const std_msgs::Header& header) const {
-  if (header.frame_id != organ.frame()) {
-    // A transform of just now may still be on its way.
-    buffer_.canTransform(organ.frame(), header.frame_id, header.stamp,
-                         ros::Duration(kTransformPatience));
+  // A transform of just now may still be on its way. The simulator's clock may stand still.
+  const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(kTransformPatience);
+  while (true) {
+    const FrameLookup lookup = lookUpFrame(buffer_, organ.frame(), header.frame_id, header.stamp);
+    if (lookup.pose) return *lookup.pose;
+    if (ros::SteadyTime::now() > deadline) {
+      throw std::invalid_argument("no transform from frame_id '" + header.frame_id + "' to '" +
+                                  organ.frame() + "': " + lookup.reason);
+    }
+    ros::WallDuration(kTransformPeriod).sleep();
   }
-  const FrameLookup lookup = lookUpFrame(buffer_, organ.frame(), header.frame_id, header.stamp);
-  if (lookup.pose) return *lookup.pose;
-  throw std::invalid_argument("no transform from frame_id '" + header.frame_id + "' to '" +
-                              organ.frame() + "': " + lookup.reason);
 }
 
 bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
                                         FindNearestTriangle::Response& response) {
   return answer(response, [&] {
+    requireAtMost(kMostPoints, request.points.size(), "points");
     Organ& organ = organNamed(request.organ);
     const core::Accuracy accuracy = fromMessage(request.accuracy);
     const FramePose pose = waitForPose(organ, request.header);
@@ -256,6 +291,7 @@ bool CollisionNode::findTrianglesWithin(FindTrianglesWithin::Request& request,
 
 bool CollisionNode::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response) {
   return answer(response, [&] {
+    requireAtMost(kMostTriangles, request.triangles.size(), "triangles");
     Organ& organ = organNamed(request.organ);
     requireFrame(request.header.frame_id, organ);
     if (request.mode > UpdateMesh::Request::REBUILD) {
@@ -285,13 +321,32 @@ bool CollisionNode::getMesh(GetMesh::Request& request, GetMesh::Response& respon
   });
 }
 
-void CollisionNode::takeMeshUpdate(const MeshUpdate& update) {
+void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event) {
+  const MeshUpdate& update = *event.getConstMessage();
+  const std::uint32_t missed = missedBefore(event);
   try {
-    enqueue(organNamed(update.organ), update);
+    Organ& organ = organNamed(update.organ);
+    for (std::uint32_t i = 0; i < missed; ++i) organ.countLostUpdate();
+    enqueue(organ, update);
   } catch (const std::exception& error) {
     ROS_ERROR_THROTTLE(kWarningPeriod, "refused an update of the mesh of '%s': %s",
                        update.organ.c_str(), error.what());
   }
+}
+
+/// How many updates of this one's publisher did not come. Queues are bounded, the publisher's too:
+/// what they drop is a gap in the sequence numbers.
+std::uint32_t CollisionNode::missedBefore(const ros::MessageEvent<MeshUpdate const>& event) {
+  const std::string& publisher = event.getPublisherName();
+  const std::uint32_t sequence = event.getConstMessage()->header.seq;
+  const auto [last, is_first] = last_sequence_.try_emplace(publisher, sequence);
+  const bool runs_on = !is_first && sequence > last->second;
+  const std::uint32_t missed = runs_on ? sequence - last->second - 1 : 0;
+  last->second = sequence;
+  if (missed == 0 || missed > kLargestGap) return 0;
+  ROS_WARN_THROTTLE(kWarningPeriod, "%u mesh updates of %s were lost on the way here", missed,
+                    publisher.c_str());
+  return missed;
 }
 
 void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
@@ -331,7 +386,7 @@ void CollisionNode::publishMarkers() {
   const std::unique_lock<std::mutex> drawing(markers_mutex_, std::try_to_lock);
   if (!drawing || markers_publisher_.getNumSubscribers() == 0) return;
   visualization_msgs::MarkerArray markers = contactMarkers(lastCycle()->contacts, scene_, organs_);
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
   if (redraw) surfaces_drawn_ = now;
   for (const auto& organ : organs_) {
@@ -343,6 +398,11 @@ void CollisionNode::publishMarkers() {
   }
   markers_publisher_.publish(markers);
 }
+
+/// Not update(), which waits for ROS time: that may stand still or jump back.
+void CollisionNode::publishDiagnostics() { diagnostics_.force_update(); }
+
+void CollisionNode::checkMaster() { master_watch_.check(); }
 
 void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::shared_ptr<const Cycle> cycle = lastCycle();

@@ -11,8 +11,8 @@
 #include <organ_collision/UpdateMesh.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
 #include <map>
@@ -22,15 +22,17 @@
 #include <thread>
 
 #include "node/contact_cycle.h"
+#include "node/master_watch.h"
 #include "node/proximity_cycle.h"
 #include "node/signal.h"
+#include "node/transform_intake.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
 
-/// The ROS node. Three kinds of threads: run() hears tf and publishes contacts; the spinner's
-/// threads answer services and take in updates; one thread refits the organs to what was streamed
-/// and swaps in what was rebuilt in the background.
+/// The ROS node. Four kinds of threads: run() hears tf and publishes contacts; the spinner's
+/// threads answer services; one takes in updates, which no service keeps waiting; one refits the
+/// organs to what was streamed and swaps in what was rebuilt in the background.
 /// They meet in the organs' snapshots only.
 class CollisionNode {
  public:
@@ -50,6 +52,7 @@ class CollisionNode {
     std::vector<Complaint> complaints;
   };
 
+  void hearTf(const std::string& topic, bool is_static);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
   std::shared_ptr<const Cycle> lastCycle() const;
@@ -61,11 +64,14 @@ class CollisionNode {
                            FindTrianglesWithin::Response& response);
   bool updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response);
   bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
-  void takeMeshUpdate(const MeshUpdate& update);
+  void takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event);
+  std::uint32_t missedBefore(const ros::MessageEvent<MeshUpdate const>& event);
   void enqueue(Organ& organ, const MeshUpdate& update);
   void updateOrgans();
   void publishMeshInfo();
   void publishMarkers();
+  void publishDiagnostics();
+  void checkMaster();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   FramePose waitForPose(const Organ& organ, const std_msgs::Header& header) const;
   Organ& organNamed(const std::string& name) const;
@@ -76,11 +82,12 @@ class CollisionNode {
 
   ros::CallbackQueue tf_queue_;  // worked off by run() alone
   ros::NodeHandle tf_node_;
-  tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_;
-  ContactCycle cycle_;                            // run() alone
-  ProximityCycle proximity_cycle_;                // run() alone
-  std::map<std::string, ros::WallTime> warn_at_;  // pairs with a complaint; run() alone
+  tf2::BufferCore buffer_;
+  TransformIntake intake_;  // run() alone
+  std::vector<ros::Subscriber> tf_subscribers_;
+  ContactCycle cycle_;                              // run() alone
+  ProximityCycle proximity_cycle_;                  // run() alone
+  std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
@@ -94,16 +101,19 @@ class CollisionNode {
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
   std::mutex markers_mutex_;    // of the two below
   std::map<std::string, std::uint32_t> drawn_versions_;
-  ros::WallTime surfaces_drawn_;
+  ros::SteadyTime surfaces_drawn_;
 
   const std::shared_ptr<Signal> organs_wait_ = std::make_shared<Signal>();  // for updater_
   std::atomic<bool> stopping_{false};
   std::thread updater_;
 
+  ros::CallbackQueue update_queue_;                     // worked off by update_spinner_ alone
+  std::map<std::string, std::uint32_t> last_sequence_;  // of each publisher; update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
   std::vector<ros::ServiceServer> services_;
-  std::vector<ros::WallTimer> timers_;
-  ros::AsyncSpinner spinner_;  // last: its threads end before what they use
+  MasterWatch master_watch_;  // of a timer alone
+  std::vector<ros::SteadyTimer> timers_;
+  ros::AsyncSpinner update_spinner_, spinner_;  // last: their threads end before what they use
 };
 
 }  // namespace organ_collision::node

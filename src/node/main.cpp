@@ -1,15 +1,42 @@
 #include <ros/ros.h>
 #include <sched.h>
 
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <future>
 #include <memory>
+#include <thread>
 
 #include "node/collision_node.h"
 
 namespace {
 
 using organ_collision::node::CollisionNode;
+
+constexpr std::chrono::milliseconds kGrace(700);  // for an orderly end, before it is a quick one
+
+std::atomic<bool> told_to_end{false};
+
+/// Ends the process with code 0 when it is told to (Ctrl-C, roslaunch), wherever main() is then:
+/// waiting for the master, loading a mesh, within an update. REQUIRES: no other thread runs yet.
+void endOnSignal() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // in all threads: they inherit it
+  std::thread([signals] {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    told_to_end = true;
+    ros::requestShutdown();
+    std::this_thread::sleep_for(kGrace);
+    std::_Exit(0);
+  }).detach();
+}
 
 /// With threads of ordinary priority only, whatever was given to the process: they work for
 /// milliseconds, and must not keep those waiting that answer in microseconds.
@@ -22,13 +49,15 @@ std::unique_ptr<CollisionNode> makeNode() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "organ_collision");
+  endOnSignal();
+  ros::init(argc, argv, "organ_collision", ros::init_options::NoSigintHandler);
   // It closes with the last handle, and the error below must get out. Starts the threads that read
   // and write sockets: they have a priority that was given to the process, as this thread has.
   const ros::NodeHandle keeps_the_log_open;
   try {
     std::async(std::launch::async, makeNode).get()->run();
   } catch (const std::exception& error) {
+    if (told_to_end) return 0;  // what loads while the node ends finds no master
     ROS_FATAL("%s", error.what());
     return 1;
   }

@@ -1,5 +1,9 @@
 #include "node/pair_pose.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 namespace organ_collision::node {
 
 bool PairPose::lookUp(const tf2::BufferCore& buffer) {
@@ -19,12 +23,17 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
 }
 
 ros::Duration PairPose::age(const ros::Time& now) const {
-  return stamp().isZero() ? ros::Duration(0) : now - stamp();
+  if (stamp().isZero()) return ros::Duration(0);
+  const auto age = static_cast<std::int64_t>(now.toNSec() - stamp().toNSec());
+  const std::int64_t longest = ros::DURATION_MAX.toNSec();
+  return ros::Duration().fromNSec(std::clamp(age, -longest, longest));
 }
 
 std::string PairPose::complaint(const ros::Time& now, double stale_after) const {
-  if (!reason_.empty() || age(now).toSec() <= stale_after) return reason_;
-  return "the last pose is " + std::to_string(age(now).toSec()) + " s old";
+  const double age = this->age(now).toSec();
+  if (!reason_.empty() || std::abs(age) <= stale_after) return reason_;
+  return "the last pose is " + std::to_string(std::abs(age)) +
+         (age < 0.0 ? " s ahead of the clock" : " s old");
 }
 
 }  // namespace organ_collision::node

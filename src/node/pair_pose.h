@@ -40,7 +40,9 @@ class PairPose {
     return scene_from_second_->target_from_source;
   }
   const ros::Time& stamp() const { return second_from_first_->stamp; }  ///< zero if static
-  ros::Duration age(const ros::Time& now) const;                        ///< zero if static
+  /// Zero for what is static, and so always true; negative if the pose is ahead of the clock; never
+  /// more than a Duration can hold.
+  ros::Duration age(const ros::Time& now) const;
 
   /// Why the poses are not those of now; empty: they are. REQUIRES: lookUp() was called.
   std::string complaint(const ros::Time& now, double stale_after) const;

@@ -123,6 +123,26 @@ TEST_F(ContactCycleTest, IsStaleAtOnceWhenTfForgetsTheTip) {
   EXPECT_EQ(recovered.nearest.distance, 1.0);
 }
 
+TEST_F(ContactCycleTest, APoseAheadOfTheClockIsStale) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_EQ(contacts(ros::Time(99.95)).contacts[0].status, Contact::OK);  // clocks differ a little
+  const Contact ahead = contacts(ros::Time(50.0)).contacts[0];            // the clock was set back
+  EXPECT_EQ(ahead.status, Contact::STALE);
+  EXPECT_EQ(ahead.age.toSec(), -50.0);
+  EXPECT_NE(cycle_.complaints(ros::Time(50.0))[0].reason.find("ahead of the clock"),
+            std::string::npos);
+}
+
+TEST_F(ContactCycleTest, NoAgeIsTooLargeForIt) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(1.0));
+  for (const ros::Time& now : {ros::Time(0.0), ros::Time(4e9)}) {
+    const Contact contact = contacts(now).contacts[0];
+    EXPECT_EQ(contact.status, Contact::STALE);
+    EXPECT_EQ(contact.nearest.distance, 2.0);
+  }
+  EXPECT_EQ(contacts(ros::Time(4e9)).contacts[0].age, ros::DURATION_MAX);
+}
+
 TEST_F(ContactCycleTest, APoseAtInfinityIsNoPose) {
   ros::Time now(100.0);
   for (const double at : {kInfinity, -kInfinity, 1e200}) {

@@ -354,6 +354,7 @@ class MeshUpdates(unittest.TestCase):
         self.send(self.loaded.vertices[:1], [0])
         after = self.latest_info(lambda info: info.mesh_version > before.mesh_version)
         self.assertEqual(after.mesh_version, before.mesh_version + 1)
+        self.assertEqual(after.updates_lost, before.updates_lost, "it was not this organ's")
         np.testing.assert_array_equal(self.services.surface().vertices[1:], self.loaded.vertices[1:])
 
 

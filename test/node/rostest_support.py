@@ -1,6 +1,7 @@
 """What the tests of the running node share: frames, messages to be waited for, and the truth by brute force."""
 import os
 import threading
+import time
 
 import numpy as np
 import rospkg
@@ -197,7 +198,7 @@ class Inbox:
 
     def wait_for(self, is_wanted=lambda message: True, seconds=PATIENCE):
         """The first message since forget() that is wanted."""
-        deadline = rospy.get_time() + seconds
+        deadline = time.monotonic() + seconds
         seen = 0
         with self._came:
             while True:
@@ -205,7 +206,7 @@ class Inbox:
                     if is_wanted(self._messages[seen]):
                         return self._messages[seen]
                     seen += 1
-                rest = deadline - rospy.get_time()
+                rest = deadline - time.monotonic()
                 if rest <= 0.0:
                     raise AssertionError(f"no such message on {self._topic} within {seconds} s; the last of "
                                          f"{seen}: {self._messages[-1] if seen else 'none came'}")
@@ -236,11 +237,11 @@ def contact_of(array, instrument):
 
 def wait_until(is_true, what, seconds=PATIENCE):
     """For what no message tells."""
-    deadline = rospy.get_time() + seconds
+    deadline = time.monotonic() + seconds
     while not is_true():
-        if rospy.get_time() > deadline:
+        if time.monotonic() > deadline:
             raise AssertionError(f"waited {seconds} s in vain for {what}")
-        rospy.sleep(0.005)
+        time.sleep(0.005)
 
 
 class Frames:

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace organ_collision::node {
+
+/// Keeps this node known to the master. roscpp registers topics and services once: a master that
+/// was restarted knows nothing of them, and new clients do not find the node, though it runs.
+class MasterWatch {
+ public:
+  /// Asks the master what it knows of this node, and registers anew what it has forgotten. Never
+  /// waits for a master that is away. To be called now and then, the first time when all services
+  /// are advertised. Cost: one call of the master. The log tells what was found.
+  void check();
+
+ private:
+  void registerMissing();
+
+  std::set<std::string> services_;  // that some master knew of; roscpp does not tell
+  bool is_away_ = false;
+};
+
+}  // namespace organ_collision::node

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <string>
+
+namespace organ_collision::node {
+
+/// Puts into tf's buffer what comes from /tf and /tf_static, but for what would spoil it. Where
+/// time runs backwards (a bag that loops, a simulation that is reset) all that moves is forgotten,
+/// as tf2_ros does. A transform ahead of the clock is refused, as tf2_ros does not: the buffer
+/// drops what is much older than its newest entry, so one from the future, or one sent before a
+/// reset and heard after it, would shut out the true ones until their time has come.
+class TransformIntake {
+ public:
+  static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ
+
+  /// `buffer` must outlive this.
+  explicit TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {}
+
+  /// Returns why a transform was refused; empty: none was. `now` is the clock that the stamps are
+  /// of. Never throws for what a transform says.
+  std::string take(const tf2_msgs::TFMessage& message, const std::string& publisher, bool is_static,
+                   const ros::Time& now);
+
+ private:
+  tf2::BufferCore& buffer_;
+  ros::Time last_;  // when take() was last called
+};
+
+}  // namespace organ_collision::node

@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""The node when it is killed, when it is told to end, and when its master goes and comes back."""
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+import xmlrpc.client
+
+import numpy as np
+import roslib.packages
+import rospkg
+import rospy
+import yaml
+from rostest_support import PATIENCE, run, wait_until
+
+LONGEST_END = 1.0  # [s] from SIGINT to the end of the process
+LONGEST_START = 2.0  # [s] from the start of a process to its first answer
+LONGEST_ABSENCE = 3.0  # [s] from a master's return until it knows the node: asked once a second
+NODE = roslib.packages.find_node("organ_collision", "organ_collision_node")[0]
+SCENE = {"organs": [{"name": "liver", "frame": "liver", "mesh": "package://organ_collision/meshes/liver.obj"}],
+         "instruments": [{"name": "left", "frame": "left_tip"}]}
+TIP = "{header: {frame_id: liver}, child_frame_id: left_tip, transform: {rotation: {w: 1.0}}}"
+PROBE = "{header: {frame_id: liver}, points: [{x: 0.0, y: 0.0, z: 0.2}]}"
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return probe.getsockname()[1]
+
+
+@contextlib.contextmanager
+def running(*command, **options):
+    """A process in a group of its own, which ends with the block."""
+    process = subprocess.Popen(command, start_new_session=True, **options)
+    try:
+        yield process
+    finally:
+        for how in (signal.SIGINT, signal.SIGKILL):
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, how)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE)
+
+
+class Master:
+    """A master of its own: this test's would end the test with it."""
+
+    def __init__(self):
+        self.port = free_port()
+        self.environment = dict(os.environ, ROS_MASTER_URI=f"http://localhost:{self.port}")
+        self._proxy = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
+
+    @contextlib.contextmanager
+    def up(self):
+        with running("rosmaster", "--core", "-p", str(self.port), env=self.environment):
+            wait_until(self.answers, "the master")
+            yield
+
+    def answers(self):
+        with contextlib.suppress(OSError):
+            return self._proxy.getPid("/test")[0] == 1
+        return False
+
+    def set_scene(self, scene, node="organ_collision"):
+        self._proxy.setParam("/test", f"/{node}/scene", scene)
+
+    def registered(self):
+        """What of the node the master knows: kind and name of each topic and service."""
+        kinds = self._proxy.getSystemState("/test")[2]
+        return {(kind, name) for kind, entries in enumerate(kinds) for name, nodes in entries
+                if "/organ_collision" in nodes}
+
+    def is_up(self, service="/organ_collision/find_nearest_triangle"):
+        return (2, service) in self.registered()
+
+    def pid(self):
+        """Of the node; 0 if it does not answer."""
+        with contextlib.suppress(OSError):
+            code, _, uri = self._proxy.lookupNode("/test", "/organ_collision")
+            return xmlrpc.client.ServerProxy(uri).getPid("/test")[2] if code == 1 else 0
+        return 0
+
+    def client(self, *command):
+        """What a new client says, which finds the node through the master."""
+        return subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE,
+                              check=True).stdout
+
+    def call(self, service, request):
+        return self.client("rosservice", "call", f"/organ_collision/{service}", request)
+
+    def next(self, field):
+        """Of the next message of one of the node's topics."""
+        return self.client("rostopic", "echo", "-n", "1", f"/organ_collision/{field}").split()[0].strip('"')
+
+    def node(self):
+        return running(NODE, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def times(pid):
+    """[s] When the process was started, counted from the machine's start, and the processor's time it has had."""
+    with open(f"/proc/{pid}/stat") as stat:
+        fields = stat.read().rsplit(")", 1)[1].split()
+    user, system, start = (int(fields[i]) / os.sysconf("SC_CLK_TCK") for i in (11, 12, 19))
+    return start, user + system
+
+
+def age(pid):
+    """[s] since the process was started."""
+    with open("/proc/uptime") as uptime:
+        return float(uptime.read().split()[0]) - times(pid)[0]
+
+
+def computed(process):
+    """[s]"""
+    return times(process.pid)[1]
+
+
+def heeds_signals(process):
+    """From main()'s first line on: before, no program can."""
+    with open(f"/proc/{process.pid}/status") as status:
+        blocked = next(int(line.split()[1], 16) for line in status if line.startswith("SigBlk"))
+    return blocked >> (signal.SIGINT - 1) & 1
+
+
+def fine_mesh(folder, count):
+    """An OBJ of 2 count^2 triangles, which takes a while to read and to build."""
+    rows, columns = np.mgrid[0:count + 1, 0:count + 1]
+    heights = 0.01 * np.sin(rows) * np.cos(columns)
+    corner = 1 + rows[:-1, :-1] * (count + 1) + columns[:-1, :-1]
+    first = np.stack([corner, corner + 1, corner + count + 1], axis=-1).reshape(-1, 3)
+    second = np.stack([corner + 1, corner + count + 2, corner + count + 1], axis=-1).reshape(-1, 3)
+    vertices = np.stack([rows / count, columns / count, heights], axis=-1).reshape(-1, 3)
+    path = os.path.join(folder, "fine.obj")
+    with open(path, "w") as file:
+        np.savetxt(file, vertices, "v %.6f %.6f %.6f")
+        np.savetxt(file, np.vstack([first, second]), "f %d %d %d")
+    return path
+
+
+class Faults(unittest.TestCase):
+    def setUp(self):
+        self.master = Master()
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = temporary.name
+
+    def check_end(self, process, how=signal.SIGINT):
+        """Ctrl-C goes to all processes of the group."""
+        start = time.monotonic()
+        os.killpg(process.pid, how)
+        output, _ = process.communicate(timeout=PATIENCE)
+        self.assertLess(time.monotonic() - start, LONGEST_END)
+        self.assertEqual(process.returncode, 0, output)
+        self.assertNotIn("FATAL", output)
+
+    # ---- the end
+
+    def test_it_ends_at_once_while_it_waits_for_the_master(self):
+        for delay in (0.0, 0.1, 0.5):
+            with self.master.node() as process:
+                wait_until(lambda: heeds_signals(process), "main()")
+                time.sleep(delay)
+                self.check_end(process)
+
+    def test_it_ends_at_once_at_any_time_of_its_start(self):
+        organs = [dict(SCENE["organs"][0], mesh=fine_mesh(self.folder, 400))]
+        with self.master.up():
+            self.master.set_scene(dict(SCENE, organs=organs))
+            with self.master.node() as process:
+                start = time.monotonic()
+                wait_until(self.master.is_up, "the node")
+                duration = time.monotonic() - start
+                self.check_end(process)
+            self.assertGreater(duration, 0.2, "else there is nothing to interrupt")
+            for delay in np.linspace(0.0, 1.2 * duration, 12):
+                with self.master.node() as process:
+                    wait_until(lambda: heeds_signals(process), "main()")
+                    time.sleep(delay)
+                    self.check_end(process)
+
+    def test_it_ends_at_once_in_the_cycle_and_for_every_signal_that_asks_for_it(self):
+        with self.master.up():
+            self.master.set_scene(SCENE)
+            for how in (signal.SIGINT, signal.SIGTERM):
+                with self.master.node() as process:
+                    wait_until(self.master.is_up, "the node")
+                    self.check_end(process, how)
+                self.assertEqual(self.master.registered(), set(), "it took leave of the master")
+
+    def test_it_ends_at_once_within_an_update(self):
+        organs = [dict(SCENE["organs"][0], mesh=fine_mesh(self.folder, 700))]
+        with self.master.up():
+            self.master.set_scene(dict(SCENE, organs=organs))
+            with self.master.node() as process:
+                wait_until(self.master.is_up, "the node")
+                rebuilds = [subprocess.Popen(["rosservice", "call", "/organ_collision/update_mesh",
+                                              "{header: {frame_id: liver}, mode: 2}"], env=self.master.environment,
+                                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for _ in range(8)]
+                idle = computed(process)
+                wait_until(lambda: computed(process) > idle + 0.2, "the node to rebuild")
+                self.check_end(process)
+                for rebuild in rebuilds:
+                    rebuild.kill()
+                    rebuild.wait()
+
+    def test_it_ends_at_once_when_its_master_is_gone(self):
+        with contextlib.ExitStack() as stack:
+            with self.master.up():
+                self.master.set_scene(SCENE)
+                process = stack.enter_context(self.master.node())
+                wait_until(self.master.is_up, "the node")
+            time.sleep(1.5)
+            self.check_end(process)
+
+    # ---- a new start
+
+    def test_killed_under_a_launch_with_respawn_it_serves_again_within_two_seconds_of_its_start(self):
+        scene = os.path.join(self.folder, "scene.yaml")
+        with open(scene, "w") as file:
+            yaml.safe_dump({"scene": SCENE}, file)
+        launch = os.path.join(rospkg.RosPack().get_path("organ_collision"), "launch", "organ_collision.launch")
+        with self.master.up(), running("roslaunch", launch, f"scene:={scene}", "respawn:=true", "output:=log",
+                                       env=self.master.environment, stdout=subprocess.DEVNULL):
+            wait_until(self.master.is_up, "the node", 2 * PATIENCE)
+            for _ in range(3):
+                former = self.master.pid()
+                os.kill(former, signal.SIGKILL)
+                wait_until(lambda: self.master.pid() not in (0, former) and self.serves(), "the node's return")
+                self.assertLess(age(self.master.pid()), LONGEST_START)
+                self.assertIn("success: True", self.master.call("find_nearest_triangle", PROBE))
+
+    def serves(self):
+        """Its service takes connections: a killed node's is still known to the master."""
+        proxy = xmlrpc.client.ServerProxy(self.master.environment["ROS_MASTER_URI"])
+        code, _, uri = proxy.lookupService("/test", "/organ_collision/find_nearest_triangle")
+        if code != 1:
+            return False
+        host, port = uri.replace("rosrpc://", "").split(":")
+        with contextlib.suppress(OSError), socket.create_connection((host, int(port)), 0.1):
+            return True
+        return False
+
+    # ---- the master
+
+    def test_a_master_that_comes_back_knows_the_node_again_and_new_clients_find_it(self):
+        with contextlib.ExitStack() as stack:
+            with self.master.up():
+                self.master.set_scene(SCENE)
+                process = stack.enter_context(self.master.node())
+                wait_until(self.master.is_up, "the node")
+                before = self.master.call("find_nearest_triangle", PROBE)
+                known = self.master.registered()
+            time.sleep(1.5)
+            self.assertIsNone(process.poll(), "it lives without a master")
+            for _ in range(2):
+                with self.master.up():
+                    wait_until(lambda: self.master.registered() == known, "it to know all", LONGEST_ABSENCE)
+                    self.assertEqual(self.master.call("find_nearest_triangle", PROBE), before)
+                    self.assertEqual(self.master.next("contacts/header/frame_id"), "liver")
+                time.sleep(1.5)
+
+    def test_after_the_masters_return_the_node_hears_who_publishes_anew(self):
+        with contextlib.ExitStack() as stack:
+            with self.master.up():
+                self.master.set_scene(SCENE)
+                stack.enter_context(self.master.node())
+                wait_until(self.master.is_up, "the node")
+            with self.master.up(), running(
+                    "rostopic", "pub", "-r", "50", "/tf_static", "tf2_msgs/TFMessage",
+                    f"transforms: [{TIP}]", env=self.master.environment, stdout=subprocess.DEVNULL):
+                wait_until(self.master.is_up, "the master to know the node again")
+
+                wait_until(lambda: self.master.next("contacts/contacts[0]/status") == "0", "the tip's pose")
+
+
+if __name__ == "__main__":
+    run(Faults)

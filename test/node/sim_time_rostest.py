@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""The node under a simulator's clock that stands still, jumps and starts anew."""
+import threading
+import time
+import unittest
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
+from rostest_support import ContactsInbox, Frames, Inbox, KeepMoving, Pose, Services, run, wait_until
+
+from organ_collision.msg import Contact
+
+RECOVERY = 1.0  # [s] of wall time, at most, from the first pose after a jump to the first new answer
+START = 1000.0  # [s] on the simulator's clock
+QUICK = 1.0  # [s] for a refusal that is decided after a tenth of it
+HEARTBEATS = 5  # contacts come 10 times a second whatever the clock does
+
+
+def is_ok(contact):
+    return contact.status == Contact.OK
+
+
+class SimulatorClock:
+    """Publishes /clock 100 times a second."""
+
+    def __init__(self):
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._now, self._rate = START, 1.0
+        threading.Thread(target=self._send, daemon=True).start()
+
+    def _send(self):
+        while not rospy.is_shutdown():
+            self._now += 0.01 * self._rate
+            self._publisher.publish(rospy.Time(self._now))
+            time.sleep(0.01)
+
+    def set(self, now):
+        self._now = now
+        wait_until(lambda: 0.0 <= rospy.get_time() - now < 1.0, f"the clock to show {now}")
+
+    def stand_still(self):
+        self._rate = 0.0
+
+    def go_on(self):
+        self._rate = 1.0
+
+
+class SimTime(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.contacts = ContactsInbox()
+        cls.before_any_clock = cls.contacts.collect(HEARTBEATS)
+        cls.clock = SimulatorClock()
+        wait_until(lambda: rospy.get_time() >= START, "the clock")
+        cls.frames = Frames()
+        cls.frames.fix(("liver", "fixed_tip", Pose((0.0, 0.0, 0.3))))
+        cls.services = Services()
+
+    def setUp(self):
+        self.clock.set(START)
+        self.check_recovery()
+
+    def tearDown(self):
+        self.clock.go_on()
+
+    def check_recovery(self):
+        """The tip moves on: the node says so within a second."""
+        now = rospy.Time.now()
+        self.contacts.forget()
+        with KeepMoving(self.frames, ("liver", "moving_tip", Pose((0.0, 0.0, 0.2)))):
+            contact = self.contacts.contact("moving", lambda contact: is_ok(contact) and contact.stamp >= now, RECOVERY)
+        self.assertLess(abs(contact.age.to_sec()), 0.5)
+        self.assertTrue(is_ok(self.contacts.contact("fixed")), "static transforms outlive a jump")
+
+    def test_without_a_clock_there_is_no_pose_and_contacts_say_so(self):
+        for array in self.before_any_clock:
+            self.assertEqual({contact.status for contact in array.contacts}, {Contact.NO_POSE})
+
+    def test_the_node_goes_on_within_a_second_when_time_jumps_back(self):
+        for now in (START / 2, 1.0):  # a bag that loops, a simulation that starts anew
+            self.clock.set(now)
+            self.check_recovery()
+
+    def test_the_node_goes_on_within_a_second_when_time_jumps_forward(self):
+        for now in (START + 3.0, 2.0 * START, 1e9):
+            self.clock.set(now)
+            self.check_recovery()
+
+    def test_a_pose_from_before_the_reset_is_stale_until_there_is_a_new_one(self):
+        self.clock.set(1.0)
+        self.contacts.forget()
+        stale = self.contacts.contact("moving")
+        self.assertEqual(stale.status, Contact.STALE)
+        self.assertGreater(stale.stamp.to_sec(), START / 2, "it is the last pose that tf told")
+        self.check_recovery()
+
+    def test_transforms_that_come_after_the_reset_with_stamps_of_before_do_no_harm(self):
+        self.clock.set(1.0)
+        for _ in range(10):
+            self.frames.put(("liver", "moving_tip", Pose()), stamp=rospy.Time(START))
+            time.sleep(0.02)
+        self.check_recovery()
+
+    def test_one_transform_from_the_future_does_no_harm(self):
+        self.frames.put(("liver", "moving_tip", Pose()), stamp=rospy.Time.now() + rospy.Duration(3600.0))
+        self.frames.put(("liver", "moving_tip", Pose()), stamp=rospy.Time(2**32 - 1))
+        self.check_recovery()
+
+    def test_while_the_clock_stands_still_contacts_and_services_go_on(self):
+        self.clock.stand_still()
+        self.contacts.collect(HEARTBEATS)
+        start = time.monotonic()
+        answer = self.services.find([(0.0, 0.0, 0.2)], frame="nowhere")
+        self.assertLess(time.monotonic() - start, QUICK)
+        self.assertFalse(answer.success)
+        self.assertIn("nowhere", answer.message)
+        self.assertTrue(self.services.find([(0.0, 0.0, 0.2)]).success)
+
+    def test_diagnostics_go_on_after_time_jumped_back_and_while_it_stands_still(self):
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        diagnostics.collect(2)
+        self.clock.set(1.0)
+        self.clock.stand_still()
+        diagnostics.collect(3)
+
+
+if __name__ == "__main__":
+    run(SimTime)

@@ -1,0 +1,108 @@
+#include "node/transform_intake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace organ_collision::node {
+namespace {
+
+using testing::HasSubstr;
+
+class TransformIntakeTest : public testing::Test {
+ protected:
+  /// What is complained of when it is heard at `now` that `child` was at (x, 0, 0) in `parent` at
+  /// `stamp`.
+  std::string hear(const std::string& child, double x, const ros::Time& stamp, const ros::Time& now,
+                   bool is_static = false, const std::string& parent = "liver") {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    geometry_msgs::TransformStamped& transform = message.transforms.front();
+    transform.header.frame_id = parent;
+    transform.header.stamp = stamp;
+    transform.child_frame_id = child;
+    transform.transform.translation.x = x;
+    transform.transform.rotation.w = 1.0;
+    return intake_.take(message, "test", is_static, now);
+  }
+
+  bool knows(const std::string& frame) const {
+    return buffer_.canTransform("liver", frame, ros::Time(0));
+  }
+
+  double latest(const std::string& frame) const {
+    return buffer_.lookupTransform("liver", frame, ros::Time(0)).transform.translation.x;
+  }
+
+  tf2::BufferCore buffer_;
+  TransformIntake intake_{buffer_};
+};
+
+TEST_F(TransformIntakeTest, TakesWhatMovesAndWhatDoesNot) {
+  EXPECT_EQ(hear("tip", 1.0, ros::Time(100.0), ros::Time(100.01)), "");
+  EXPECT_EQ(hear("fixed", 2.0, ros::Time(0), ros::Time(100.02), true), "");
+  EXPECT_EQ(latest("tip"), 1.0);
+  EXPECT_EQ(latest("fixed"), 2.0);
+}
+
+TEST_F(TransformIntakeTest, ForgetsWhatMovesWhenTimeJumpsBackAndGoesOnAtOnce) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  hear("fixed", 2.0, ros::Time(0), ros::Time(100.0), true);
+  EXPECT_THAT(hear("other", 3.0, ros::Time(5.0), ros::Time(5.0)), HasSubstr("jumped back by 95"));
+  EXPECT_FALSE(knows("tip"));
+  EXPECT_EQ(latest("fixed"), 2.0);
+  EXPECT_EQ(latest("other"), 3.0);
+  EXPECT_EQ(hear("tip", 4.0, ros::Time(5.1), ros::Time(5.1)), "");
+  EXPECT_EQ(latest("tip"), 4.0);
+}
+
+TEST_F(TransformIntakeTest, OneTransformFromTheFutureDoesNotShutOutTheTrueOnes) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  const double late = 100.0 + 60.0;
+  EXPECT_THAT(hear("tip", 9.0, ros::Time(late), ros::Time(100.0)),
+              AllOf(HasSubstr("'tip'"), HasSubstr("60")));
+  hear("tip", 2.0, ros::Time(100.1), ros::Time(100.1));
+  EXPECT_EQ(latest("tip"), 2.0);
+}
+
+TEST_F(TransformIntakeTest, WhatWasSentBeforeAResetAndComesAfterItIsRefused) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  hear("other", 1.0, ros::Time(0.1), ros::Time(0.1));
+  EXPECT_NE(hear("tip", 9.0, ros::Time(100.1), ros::Time(0.2)), "");
+  EXPECT_FALSE(knows("tip"));
+  hear("tip", 2.0, ros::Time(0.3), ros::Time(0.3));
+  EXPECT_EQ(latest("tip"), 2.0);
+}
+
+TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {
+  for (const ros::Time& stamp : {ros::Time(1.0), ros::Time(1e6), ros::TIME_MAX}) {
+    EXPECT_EQ(hear("fixed", stamp.toSec(), stamp, ros::Time(100.0), true), "");
+    EXPECT_EQ(latest("fixed"), stamp.toSec());
+  }
+}
+
+TEST_F(TransformIntakeTest, ClocksMayDifferALittle) {
+  const double ahead = 0.9 * TransformIntake::kFarthestAhead;
+  EXPECT_EQ(hear("tip", 1.0, ros::Time(100.0 + ahead), ros::Time(100.0)), "");
+  EXPECT_EQ(latest("tip"), 1.0);
+}
+
+TEST_F(TransformIntakeTest, NothingThatTfSaysThrows) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const ros::Time now(100.0);
+  for (const ros::Time& stamp : {ros::Time(0.0), ros::Time(100.0), ros::TIME_MAX}) {
+    for (const bool is_static : {false, true}) {
+      EXPECT_NO_THROW(hear("", 1.0, stamp, now, is_static));
+      EXPECT_NO_THROW(hear("liver", 1.0, stamp, now, is_static));  // its own parent
+      EXPECT_NO_THROW(hear("tip", nan, stamp, now, is_static));
+      EXPECT_NO_THROW(hear("tip", 1.0, stamp, now, is_static, ""));
+      EXPECT_NO_THROW(hear("/tip", 1.0, stamp, now, is_static, "/liver"));
+      EXPECT_NO_THROW(hear("tip", 1.0, stamp, now, is_static));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::node
