@@ -311,27 +311,30 @@ std::string mutant(std::string bytes, std::mt19937& random) {
 }
 
 TEST_P(EveryFormat, AnswersEveryMutantInTime) {
-  constexpr int kMutants = 300;
+  const std::size_t mutants = roundCount(300);
   constexpr double kSlack = 4.0;  // [s] for a busy machine
   LoadLimits limits;
   limits.seconds = 0.3;
   const std::string bytes = GetParam().bytes(awkwardShape());
   std::mt19937 random(2012);
-  int accepted = 0;
-  for (int i = 0; i < kMutants; ++i) {
+  std::size_t accepted = 0;
+  double slowest = 0.0;
+  for (std::size_t i = 0; i < mutants; ++i) {
     const auto file = folder_.write(GetParam().file, mutant(bytes, random));
     const auto begin = std::chrono::steady_clock::now();
     const std::string message = messageOf([&] { loadMesh(file, 1.0, limits); });
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(taken.count(), limits.seconds + kSlack) << i;
-    accepted += message.empty() ? 1 : 0;
+    slowest = std::max(slowest, taken.count());
+    accepted += message.empty() ? 1U : 0U;
     if (!GetParam().is_indexed) continue;  // assimp crashes now and then
     EXPECT_THAT(message, Not(AnyOf(HasSubstr("crashed"), HasSubstr("exit code"),
                                    HasSubstr("took longer"), HasSubstr("memory"))))
         << "mutant " << i;
   }
+  std::cout << mutants << " mutants, " << accepted << " accepted, slowest " << slowest << " s\n";
+  EXPECT_LT(slowest, limits.seconds + kSlack);
   EXPECT_GT(accepted, 0);
-  EXPECT_LT(accepted, kMutants);
+  EXPECT_LT(accepted, mutants);
 }
 
 // ---- obj

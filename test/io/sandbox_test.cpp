@@ -5,10 +5,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <locale>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -122,6 +127,53 @@ TEST(Sandbox, LeavesNoProcessAndNoFileBehind) {
   messageOf([] { run([]() -> std::string { sleepForever(); }, {0.05, 1'000'000}); });
   EXPECT_EQ(openFiles(), before);
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+}
+
+TEST(Sandbox, IsLeftAloneByTheSignalsThatEndAProgram) {
+  for (const int signal : {SIGINT, SIGTERM}) {  // Ctrl-C reaches parent and child
+    const auto job = [signal] {
+      std::raise(signal);
+      return std::string("alive");
+    };
+    EXPECT_EQ(run(job), "alive") << signal;
+  }
+}
+
+TEST(Sandbox, WritesNoFile) {
+  const TemporaryFolder folder;
+  const auto job = [&] {
+    folder.write("file", "x");
+    return std::string("written");
+  };
+  EXPECT_NE(messageOf([&] { run(job); }), "");
+}
+
+/// A lock that another thread holds at the fork stays locked in the child. The C library takes care
+/// of its own (memory, streams), and a reader takes no others.
+TEST(Sandbox, DoesNotHangOnLocksOfOtherThreads) {
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&stop] {
+      while (!stop) {
+        const std::vector<std::string> blocks(100, std::string(1000, 'x'));
+        std::ofstream("/dev/null") << blocks.size() << std::locale().name();
+        std::fflush(nullptr);
+      }
+    });
+  }
+  const auto job = [] {
+    std::ostringstream text;
+    for (const std::string& block : std::vector<std::string>(100, "y")) text << block << 0.5;
+    return text.str();
+  };
+  int hung = 0;
+  for (std::size_t i = 0; i < roundCount(300); ++i) {
+    hung += messageOf([&] { run(job, {2.0, 100'000'000}); }).empty() ? 0 : 1;
+  }
+  stop = true;
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(hung, 0);
 }
 
 TEST(Sandbox, WorksWithWhateverSignalHandlersTheParentHas) {

@@ -50,4 +50,11 @@ std::string messageOf(const Action& action) {
   return "";
 }
 
+/// How many rounds a random test goes: TEST_MUTANTS in the environment (scripts/soak asks for
+/// many), else `usual`.
+inline std::size_t roundCount(std::size_t usual) {
+  const char* const wanted = std::getenv("TEST_MUTANTS");
+  return wanted == nullptr ? usual : std::stoul(wanted);
+}
+
 }  // namespace organ_collision::io

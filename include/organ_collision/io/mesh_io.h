@@ -15,7 +15,7 @@ namespace organ_collision::io {
 
 /// What reading one file may cost. Time and memory grow with the file.
 struct LoadLimits {
-  double seconds = 5.0;                 ///< [s] wall clock for any file
+  double seconds = 4.0;                 ///< [s] wall clock for any file
   double seconds_per_megabyte = 1.0;    ///< [s/MB] on top of it
   std::size_t memory = 512'000'000;     ///< [bytes] for any file
   std::size_t memory_per_byte = 64;     ///< [bytes per byte of the file] on top of it
