@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -16,6 +17,33 @@ bool isBefore(const TriangleAtDistance& left, const TriangleAtDistance& right) {
   return left.triangle < right.triangle;
 }
 
+/// Of the coordinates: more than the 4*u*extent of exact distances and u to move to the unit frame.
+constexpr double kRounding = 0x1p-48;
+
+/// Calls `look_at(leaf)` for all triangles but those of boxes that are farther than `radius` [m].
+template <class LookAt>
+void forEachNear(const WideTree& tree, const Eigen::Vector3d& point, double radius,
+                 const LookAt& look_at) {
+  const Eigen::Vector3d unit_point = tree.frame()(point);
+  constexpr double kLargestOfTree = 8.0;  // the sum of three, each below 2
+  const double coordinates = unit_point.lpNorm<1>() + kLargestOfTree;
+  const double reach = radius * tree.frame().scale + kRounding * coordinates;
+  std::vector<std::uint32_t> waiting = {0};
+  while (!waiting.empty()) {
+    const WideNode& node = tree.nodes()[waiting.back()];
+    waiting.pop_back();
+    for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
+      if (std::sqrt(squaredDistance(tree.boxOf(node, lane), unit_point)) > reach) continue;
+      if (lane < node.node_count) {
+        waiting.push_back(node.first_node + lane);
+        continue;
+      }
+      const TrianglePacket& packet = tree.packets()[node.first_packet + lane - node.node_count];
+      for (std::uint32_t i = 0; i < packet.lane_count; ++i) look_at(packet.first_leaf + i);
+    }
+  }
+}
+
 }  // namespace
 
 TrianglesWithin trianglesWithin(const CollisionMesh& organ, const Eigen::Vector3d& point,
@@ -26,13 +54,13 @@ TrianglesWithin trianglesWithin(const CollisionMesh& organ, const Eigen::Vector3
                                 ": it must be finite and >= 0");
   }
   TrianglesWithin within{{}, true};
-  for (std::size_t i = 0; i < organ.mesh().triangleCount(); ++i) {
-    const auto id = static_cast<TriangleId>(i);
+  forEachNear(organ.wideTree(), point, radius, [&](FarthestPairTree::Leaf leaf) {
+    const TriangleId id = organ.tree().triangle(leaf);
     const Triangle triangle = organ.mesh().triangle(id);
-    if (std::sqrt(squaredDistance(boxOf(triangle), point)) > radius) continue;
+    if (std::sqrt(squaredDistance(boxOf(triangle), point)) > radius) return;
     const double distance = std::sqrt(closestPointOnTriangle(point, triangle).squared_distance);
     if (distance <= radius) within.triangles.push_back({id, distance});
-  }
+  });
   std::sort(within.triangles.begin(), within.triangles.end(), isBefore);
   if (max_results != 0 && within.triangles.size() > max_results) {
     within.triangles.resize(max_results);

@@ -21,7 +21,8 @@ struct TrianglesWithin {
 
 /// The triangles with a point within `radius` [m] of `point`, at most `max_results` (0: all): the
 /// nearest ones. Distances are those of closestPointOnTriangle(). Throws std::invalid_argument for
-/// a point that is not usable, or a radius that is not finite or negative. O(n).
+/// a point that is not usable, or a radius that is not finite or negative. Cost: about log n and
+/// what is found, sorted.
 TrianglesWithin trianglesWithin(const CollisionMesh& organ, const Eigen::Vector3d& point,
                                 double radius, std::size_t max_results = 0);
 
