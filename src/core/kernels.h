@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/pair_search.h"
 #include "core/search.h"
 #include "organ_collision/core/wide_node.h"
 
@@ -18,6 +19,8 @@ struct Kernels {
   void (*walk)(Search& search);
   /// Looks at the packets that are followed, after the tip has moved by at most `step`.
   void (*follow)(Search& search, double step);
+  /// Walks through two trees at once.
+  void (*walkPairs)(PairSearch& search);
   /// Places a node's origin and boxes. REQUIRES: that is done for all nodes and packets below.
   void (*enclose)(WideNode* nodes, const TrianglePacket* packets, std::uint32_t node, Fit fit);
 };

@@ -1,9 +1,10 @@
 #include "core/enclose.h"
 #include "core/kernels.h"
+#include "core/pair_walk.h"
 #include "core/search_walk.h"
 
 namespace organ_collision::core {
 
-const Kernels kAvx512Kernels = {walk, follow, enclose};
+const Kernels kAvx512Kernels = {walk, follow, walkPairs, enclose};
 
 }  // namespace organ_collision::core

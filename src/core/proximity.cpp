@@ -80,12 +80,8 @@ Proximity proximity(const Shape& first, const Shape& second, const Accuracy& acc
   requireUsable(second);
   const auto* first_mesh = std::get_if<RigidMesh>(&first);
   const auto* second_mesh = std::get_if<RigidMesh>(&second);
-  if (first_mesh != nullptr && second_mesh != nullptr) {
-    const bool is_first_smaller =
-        first_mesh->surface->mesh().triangleCount() <= second_mesh->surface->mesh().triangleCount();
-    return is_first_smaller ? betweenMeshes(*first_mesh, *second_mesh, accuracy)
-                            : swapped(betweenMeshes(*second_mesh, *first_mesh, accuracy));
-  }
+  if (first_mesh != nullptr && second_mesh != nullptr)
+    return betweenMeshes(*first_mesh, *second_mesh, accuracy);
   if (second_mesh != nullptr) return roundToMesh(first, *second_mesh, accuracy);
   if (first_mesh != nullptr) return swapped(roundToMesh(second, *first_mesh, accuracy));
   return betweenRounds(*roundShape(first), *roundShape(second));

@@ -181,7 +181,7 @@ class Walk {
  public:
   explicit Walk(Search& search) : search_(search) {
     Real reach = 0;
-    for (std::uint32_t i = 0; i < search.corner_count; ++i) {
+    for (std::uint32_t i = 0; i < kCorners; ++i) {
       const std::array<double, 3>& corner = search.corners[i];
       tip_[i] = {static_cast<Real>(corner[0]), static_cast<Real>(corner[1]),
                  static_cast<Real>(corner[2])};
@@ -316,7 +316,7 @@ class Walk {
     Real farthest = reachOf(first);
     low = high = turn(first);
     if constexpr (!kIsPoint) {
-      for (std::uint32_t i = 1; i < search_.corner_count; ++i) {
+      for (std::uint32_t i = 1; i < kCorners; ++i) {
         const Vector<Real> corner = relative(tip_[i], origin);
         const Real reach = reachOf(corner);
         farthest = reach > farthest ? reach : farthest;
@@ -339,13 +339,15 @@ class Walk {
     if (search_.best == kInfinity)
       lowerCeiling(leastOf(squaredFarthest(boxes_low, boxes_high, low, high)));
     const Lanes<Real> squares = squaredDistanceOf(boxes_low, boxes_high, low, high);
-    if constexpr (kCorners != 2) return squares;
-    const Lanes<Real> gaps =
-        larger(gapToBoxes(turn(relative(tip_[0], node.origin)),
-                          turn(relative(tip_[1], node.origin)), boxes_low, boxes_high) -
-                   Lanes<Real>::all(box_rounding_),
-               Lanes<Real>{});
-    return larger(squares, gaps * gaps);
+    if constexpr (kCorners == 2) {
+      const Lanes<Real> gaps =
+          larger(gapToBoxes(turn(relative(tip_[0], node.origin)),
+                            turn(relative(tip_[1], node.origin)), boxes_low, boxes_high) -
+                     Lanes<Real>::all(box_rounding_),
+                 Lanes<Real>{});
+      return larger(squares, gaps * gaps);
+    }
+    return squares;
   }
 
   /// Puts the children that matter on the stack, the three nearest on top; all without a branch on
@@ -460,7 +462,7 @@ class Walk {
   }
 
   Search& search_;
-  Vector<Real> tip_[3];
+  Vector<Real> tip_[kCorners];
   Real tip_rounding_;   // of its corners
   Real box_rounding_;   // of the distance to any box
   Real reach_;          // what is farther is left out

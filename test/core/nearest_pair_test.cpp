@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
+#include "organ_collision/core/vector_unit.h"
 #include "organs_and_tips.h"
 #include "test_meshes.h"
 
@@ -61,11 +63,12 @@ double sizeOf(const CollisionMesh& surface) {
   return (surface.health().box.high - surface.health().box.low).maxCoeff();
 }
 
-/// From touching to far, some inside.
+/// From touching to far, some inside, some so far that single precision does not do.
 Isometry3d randomPlacement(std::mt19937& generator, const CollisionMesh& first,
                            const CollisionMesh& second) {
   const double reach =
-      std::ldexp(sizeOf(first) + sizeOf(second), 2 - static_cast<int>(generator() % 8));
+      std::ldexp(sizeOf(first) + sizeOf(second), 2 - static_cast<int>(generator() % 8)) *
+      (generator() % 8 == 0 ? std::ldexp(1.0, static_cast<int>(generator() % 20)) : 1.0);
   const Box& box = second.health().box;
   return Eigen::Translation3d(0.5 * (box.low + box.high)) * test::randomPose(generator, reach);
 }
@@ -153,6 +156,90 @@ TEST(NearestPair, SwappedHasTheSameDistance) {
                      const NearestPair swapped = nearestPair(second, pose.inverse(), first);
                      ASSERT_NEAR(swapped.nearest.distance, exact, slack);
                    });
+}
+
+TEST(NearestPair, OfSurfacesOfUnlikeSizesEqualsBruteForceBitForBit) {
+  std::mt19937 generator(80);
+  const CollisionMesh organ(test::blob(2));
+  for (std::size_t i = 0; i < queryCount(60); ++i) {
+    const double size = std::ldexp(1.0, 30 - static_cast<int>(generator() % 60));
+    const CollisionMesh tool(test::cube(size));
+    const Isometry3d pose = randomPlacement(generator, tool, organ);
+    ASSERT_EQ(nearestPair(tool, pose, organ).nearest.distance, truth(tool, pose, organ)) << size;
+    const Isometry3d back = pose.inverse();
+    ASSERT_EQ(nearestPair(organ, back, tool).nearest.distance, truth(organ, back, tool)) << size;
+  }
+}
+
+/// Where all are equally far but for rounding, a bound that forgets its own leaves the nearest out.
+TEST(NearestPair, OfParallelSurfacesEqualsBruteForceBitForBit) {
+  std::mt19937 generator(82);
+  const TriangleMesh grid = test::grid(4, 4);
+  for (std::size_t i = 0; i < queryCount(100); ++i) {
+    const Isometry3d tilt = test::randomPose(generator, 1000.0);  // rounds more than once
+    Points tilted = grid.positions();
+    for (Vector3d& position : tilted) position = tilt * position;
+    const CollisionMesh first(grid);
+    const CollisionMesh second({tilted, grid.triangles()});
+    const double turn = test::randomPoint(generator, 3.0).x();
+    const Isometry3d pose = tilt *
+                            at(0, 0, std::ldexp(1.0, static_cast<int>(generator() % 8) - 4)) *
+                            Eigen::AngleAxisd(turn, Vector3d::UnitZ());
+    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
+  }
+}
+
+TEST(NearestPair, IsTheSameOnEveryVectorUnit) {
+  const VectorUnit usual = vectorUnit();
+  forEachPlacement(81, queryCount(5),
+                   [&](const CollisionMesh& first, const Isometry3d& pose,
+                       const CollisionMesh& second, double /*truth*/) {
+                     useVectorUnit(VectorUnit::kBaseline);
+                     const NearestPair expected = nearestPair(first, pose, second, {0.1, 0, 0});
+                     for (const VectorUnit unit : availableVectorUnits()) {
+                       useVectorUnit(unit);
+                       const NearestPair found = nearestPair(first, pose, second, {0.1, 0, 0});
+                       ASSERT_EQ(found.triangle_of_first, expected.triangle_of_first);
+                       ASSERT_EQ(found.nearest.triangle, expected.nearest.triangle);
+                       ASSERT_EQ(found.nearest.lower_bound, expected.nearest.lower_bound);
+                     }
+                   });
+  useVectorUnit(usual);
+}
+
+TEST(NearestPair, LooksAtNoMorePairsThanAllowed) {
+  const CollisionMesh organ(test::blob(4));
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t pairs : {1U, 2U, 8U, 64U, 512U}) {
+    const NearestPair pair = nearestPair(organ, at(0.2, 0.1, 0.3), organ, {0.0, 0.0, pairs});
+    EXPECT_LE(pair.nearest.work.triangles, pairs);
+    EXPECT_LE(pair.nearest.distance, last);
+    last = pair.nearest.distance;
+  }
+  EXPECT_GT(nearestPair(organ, at(0.2, 0.1, 0.3), organ).nearest.work.triangles, 512U);
+}
+
+TEST(NearestPair, OfSurfacesInOtherGalaxiesIsRightButForRounding) {
+  const CollisionMesh cube(test::cube());
+  for (const double far : {1e20, 1e99}) {
+    const NearestTriangle nearest = nearestPair(cube, at(far, -far, 0.0), cube).nearest;
+    EXPECT_NEAR(nearest.distance, std::sqrt(2.0) * far, 4 * 0x1p-53 * std::sqrt(2.0) * far);
+    EXPECT_TRUE(nearest.isExact());
+  }
+}
+
+TEST(NearestPair, RefusesAPoseThatIsNotRigid) {
+  const CollisionMesh cube(test::cube());
+  Isometry3d pose = at(0, 0, 3);
+  pose.linear() *= 1.001;  // a quaternion of single precision may be that wrong
+  EXPECT_NEAR(nearestPair(cube, pose, cube).nearest.distance, 2.0, 1e-12);
+  pose.linear() *= 2.0;
+  EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
+  pose = at(0, 0, std::numeric_limits<double>::infinity());
+  EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
+  pose = at(0, 0, 3);
+  pose.linear()(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
 }
 
 TEST(Contact, OfAMeshCollidesWhereSolidsMeet) {

@@ -14,9 +14,11 @@ struct NearestPair {
 
 /// The nearest triangles of two surfaces, with the proof of how wrong that may be. The distance is
 /// 0 where the surfaces meet, and negative where they do not and one is inside the other's solid.
-/// All limits of `accuracy` hold but max_leaves, which each triangle of the first has for itself.
-/// Cost: a search for each triangle of `first` whose box is near enough: give the smaller mesh
-/// first. Throws std::invalid_argument for an accuracy or a pose that is not usable.
+/// An exact answer is the least of all computed triangle-triangle distances, bit for bit, those of
+/// the first moved by the pose; of several it names the first in the hierarchies' order, but where
+/// surfaces meet any two triangles that do. max_leaves counts pairs of triangles; 1 is the paper's
+/// search from the middle of the first's box, and back. Throws std::invalid_argument for an
+/// accuracy that is not usable, or a pose that is not rigid.
 NearestPair nearestPair(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,
                         const CollisionMesh& second, const Accuracy& accuracy = {});
 
