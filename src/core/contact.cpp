@@ -12,11 +12,33 @@ using Eigen::Vector3d;
 
 bool isPoint(const Triangle& core) { return core.a == core.b && core.b == core.c; }
 
-NearestTriangle nearestToCore(const CollisionMesh& organ, const Triangle& core,
-                              const Accuracy& accuracy) {
-  return isPoint(core) ? nearestTriangle(organ, core.a, accuracy)
-                       : nearestTriangle(organ, core, accuracy);
-}
+/// Asks an organ, anew or from what is known of the last time.
+class Asker {
+ public:
+  explicit Asker(const CollisionMesh& organ) : organ_(organ) {}
+  Asker(const CollisionMesh& organ, const MeshMotion& motion, Tracker& tracker)
+      : organ_(organ), motion_(&motion), tracker_(&tracker) {}
+
+  const CollisionMesh& organ() const { return organ_; }
+
+  NearestTriangle nearestToCore(const Triangle& core, const Accuracy& accuracy) const {
+    return isPoint(core) ? nearest(core.a, accuracy) : nearest(core, accuracy);
+  }
+
+ private:
+  /// Who asks for a number of leaves is to get what they find, not more.
+  template <class Tip>
+  NearestTriangle nearest(const Tip& tip, const Accuracy& accuracy) const {
+    if (tracker_ == nullptr || accuracy.max_leaves != 0)
+      return nearestTriangle(organ_, tip, accuracy);
+    requireUsable(accuracy);
+    return tracker_->nearestTriangle(organ_, *motion_, tip);
+  }
+
+  const CollisionMesh& organ_;
+  const MeshMotion* motion_ = nullptr;
+  Tracker* tracker_ = nullptr;
+};
 
 /// Whether an answer to the core is good enough for the shape: a relative error is allowed of what
 /// is left without the radius only.
@@ -29,14 +51,14 @@ bool isGoodEnough(const NearestTriangle& nearest, double radius, const Accuracy&
          found <= (1.0 + accuracy.max_relative_error) * least;
 }
 
-NearestTriangle nearestWithin(const CollisionMesh& organ, const RoundShape& shape,
+NearestTriangle nearestWithin(const Asker& asker, const RoundShape& shape,
                               const Accuracy& accuracy) {
-  NearestTriangle nearest = nearestToCore(organ, shape.core, accuracy);
+  NearestTriangle nearest = asker.nearestToCore(shape.core, accuracy);
   if (isGoodEnough(nearest, shape.radius, accuracy)) return nearest;
   const double allowed =
       accuracy.max_relative_error * std::max(0.0, nearest.lower_bound - shape.radius);
-  return nearestToCore(organ, shape.core,
-                       {0.0, std::max(accuracy.max_absolute_error, allowed), accuracy.max_leaves});
+  return asker.nearestToCore(
+      shape.core, {0.0, std::max(accuracy.max_absolute_error, allowed), accuracy.max_leaves});
 }
 
 /// The unit vector square to `axis` that is nearest to `direction`, which has length 1 or 0; any
@@ -78,33 +100,32 @@ NearestTriangle inflated(NearestTriangle nearest, const RoundShape& shape) {
   return nearest;
 }
 
-NearestTriangle nearestToShape(const CollisionMesh& organ, const Shape& shape,
-                               const Accuracy& accuracy) {
+NearestTriangle nearestToShape(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {
   if (const auto* mesh = std::get_if<RigidMesh>(&shape))
-    return nearestPair(*mesh->surface, mesh->pose, organ, accuracy).nearest;
+    return nearestPair(*mesh->surface, mesh->pose, asker.organ(), accuracy).nearest;
   const RoundShape round = *roundShape(shape);
-  return inflated(nearestWithin(organ, round, accuracy), round);
+  return inflated(nearestWithin(asker, round, accuracy), round);
 }
 
-}  // namespace
-
-Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy) {
+Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {
   requireUsable(shape);
-  const NearestTriangle nearest = nearestToShape(organ, shape, accuracy);
+  const NearestTriangle nearest = nearestToShape(asker, shape, accuracy);
   const bool colliding = nearest.distance <= 0.0;
-  const bool knows_side = nearest.distance_signed || !organ.health().isSolid();
+  const bool knows_side = nearest.distance_signed || !asker.organ().health().isSolid();
   return {nearest, colliding, colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
-Contact contact(const CollisionMesh& organ, const Shapes& shapes,
-                const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy) {
-  Contact whole = contact(organ, transformed(shapes.front(), organ_from_shapes), accuracy);
+/// `asker(i)` asks for the i-th piece.
+template <class AskerOf>
+Contact contactOf(const AskerOf& asker, const Shapes& shapes,
+                  const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy) {
+  Contact whole = contactOf(asker(0), transformed(shapes.front(), organ_from_shapes), accuracy);
   bool all_certain = whole.colliding_certain;
   bool all_signed = whole.nearest.distance_signed;
   double lower_bound = whole.nearest.lower_bound;
   SearchWork work = whole.nearest.work;
   for (std::size_t i = 1; i < shapes.size(); ++i) {
-    const Contact piece = contact(organ, transformed(shapes[i], organ_from_shapes), accuracy);
+    const Contact piece = contactOf(asker(i), transformed(shapes[i], organ_from_shapes), accuracy);
     all_certain = all_certain && piece.colliding_certain;
     all_signed = all_signed && piece.nearest.distance_signed;
     lower_bound = std::min(lower_bound, piece.nearest.lower_bound);
@@ -119,6 +140,26 @@ Contact contact(const CollisionMesh& organ, const Shapes& shapes,
   whole.nearest.work = work;
   whole.colliding_certain = whole.colliding || all_certain;
   return whole;
+}
+
+}  // namespace
+
+Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy) {
+  return contactOf(Asker(organ), shape, accuracy);
+}
+
+Contact contact(const CollisionMesh& organ, const Shapes& shapes,
+                const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy) {
+  const auto asker = [&](std::size_t) { return Asker(organ); };
+  return contactOf(asker, shapes, organ_from_shapes, accuracy);
+}
+
+Contact ContactTracker::contact(const CollisionMesh& organ, const MeshMotion& motion,
+                                const Shapes& shapes, const Eigen::Isometry3d& organ_from_shapes,
+                                const Accuracy& accuracy) {
+  trackers_.resize(shapes.size());
+  const auto asker = [&](std::size_t i) { return Asker(organ, motion, trackers_[i]); };
+  return contactOf(asker, shapes, organ_from_shapes, accuracy);
 }
 
 }  // namespace organ_collision::core

@@ -29,8 +29,9 @@ bool ContactCycle::lookUpTips() {
   return news;
 }
 
-Contact ContactCycle::contactOf(const io::Pair& pair, const PairPose& pose, const ros::Time& now,
-                                const core::Accuracy& accuracy) const {
+Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ros::Time& now,
+                                const core::Accuracy& accuracy) {
+  const PairPose& pose = tracked.pose;
   const Instrument& instrument = instruments_[pair.instrument];
   Organ& organ = *organs_[pair.organ];
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
@@ -55,8 +56,8 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const PairPose& pose, cons
         toPoint(pose.sceneFromSecond() * pose.secondFromFirst().translation());
     return contact;
   }
-  const core::Contact found =
-      core::contact(snapshot->organ, instrument.shapes, pose.secondFromFirst(), accuracy);
+  const core::Contact found = tracked.tracker.contact(
+      snapshot->organ, snapshot->motion(), instrument.shapes, pose.secondFromFirst(), accuracy);
   organ.account(found.nearest, accuracy);
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);
   if (found.nearest.lower_bound > scene_.max_distance) {
@@ -70,13 +71,13 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const PairPose& pose, cons
   return contact;
 }
 
-ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& accuracy) const {
+ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& accuracy) {
   const auto start = std::chrono::steady_clock::now();
   ContactArray array;
   array.header.frame_id = scene_.frame;
   array.contacts.reserve(tracked_.size());
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
-    array.contacts.push_back(contactOf(scene_.pairs[i], tracked_[i].pose, now, accuracy));
+    array.contacts.push_back(contactOf(scene_.pairs[i], tracked_[i], now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.contacts.back().stamp);
   }
   array.computation_time =

@@ -26,7 +26,7 @@ class ContactCycle {
   bool lookUpTips();
 
   /// The contacts of all pairs for the poses last looked up, in the scene's frame.
-  ContactArray contacts(const ros::Time& now, const core::Accuracy& accuracy) const;
+  ContactArray contacts(const ros::Time& now, const core::Accuracy& accuracy);
 
   /// What is wrong with a pair's pose; empty if nothing is.
   std::vector<Complaint> complaints(const ros::Time& now) const;
@@ -35,10 +35,11 @@ class ContactCycle {
   struct Tracked {
     PairPose pose;              // of the tip, the first, to the organ
     std::uint32_t version = 0;  // of the organ when last looked
+    core::ContactTracker tracker = {};
   };
 
-  Contact contactOf(const io::Pair& pair, const PairPose& pose, const ros::Time& now,
-                    const core::Accuracy& accuracy) const;
+  Contact contactOf(const io::Pair& pair, Tracked& tracked, const ros::Time& now,
+                    const core::Accuracy& accuracy);
 
   const io::Scene& scene_;
   const Instruments& instruments_;

@@ -3,7 +3,9 @@
 #include <tbb/task_arena.h>
 
 #include <chrono>
+#include <cmath>
 #include <exception>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -192,7 +194,10 @@ void Organ::applyMoves(const VertexMoves& moves, const std::string& origin) {
   const Stopwatch watch;
   std::unique_ptr<OrganSnapshot> next = snapshots_.writable();
   const Refit refit = catchUp(*next, moves);
-  next->version = snapshot()->version + 1;
+  const std::shared_ptr<const OrganSnapshot> now = snapshot();
+  next->version = now->version + 1;
+  next->travel = std::nextafter(now->travel + farthest(moves, now->organ.mesh().positions()),
+                                std::numeric_limits<double>::infinity());
   next->last_action = refit.action;
   next->reason = origin + std::to_string(moves.positions.size()) + " of " +
                  std::to_string(next->organ.mesh().positions().size()) + " vertices moved" +

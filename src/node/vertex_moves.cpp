@@ -1,5 +1,7 @@
 #include "node/vertex_moves.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,6 +13,15 @@ core::Points moved(core::Points positions, const VertexMoves& moves) {
   for (std::size_t i = 0; i < moves.vertices.size(); ++i)
     positions[core::index(moves.vertices[i])] = moves.positions[i];
   return positions;
+}
+
+double farthest(const VertexMoves& moves, const core::Points& positions) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < moves.positions.size(); ++i) {
+    const std::size_t vertex = moves.whole() ? i : core::index(moves.vertices[i]);
+    squared = std::max(squared, (moves.positions[i] - positions[vertex]).squaredNorm());
+  }
+  return std::sqrt(squared) * (1.0 + 0x1p-50);
 }
 
 bool VertexSet::insert(core::VertexId vertex) {

@@ -22,6 +22,9 @@ struct VertexMoves {
 /// `positions` after the moves. REQUIRES: the moves fit.
 core::Points moved(core::Points positions, const VertexMoves& moves);
 
+/// The farthest that a vertex is moved from `positions` [m], rounded up. REQUIRES: the moves fit.
+double farthest(const VertexMoves& moves, const core::Points& positions);
+
 /// Some vertices, in the order in which they came. All takes constant time, clear() too. Source: P.
 /// Briggs and L. Torczon, "An efficient representation for sparse sets" (1993).
 class VertexSet {

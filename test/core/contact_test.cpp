@@ -181,6 +181,28 @@ TEST(Contact, RefusesShapesThatAreNotUsable) {
                std::invalid_argument);
 }
 
+TEST(ContactTracker, FollowsAllPiecesAsIfItAskedAnew) {
+  const CollisionMesh organ(test::blob(4));
+  const Shapes shapes = {Vector3d(0, 0, 0.02), Sphere{{0, 0, 0.01}, 0.01},
+                         Capsule{{0, 0, 0}, {0, 0, 0.2}, 0.004}, tipAt({0, 0.01, 0})};
+  ContactTracker tracker;
+  std::mt19937 generator(35);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 300; ++i) {
+    pose = pose * test::randomPose(generator, 0.0);
+    pose.translation() += test::randomPoint(generator, i % 50 == 0 ? 0.1 : 0.001);
+    for (const Accuracy& accuracy : {Accuracy::exact(), Accuracy::greedy()}) {
+      const Contact tracked = tracker.contact(organ, {}, shapes, pose, accuracy);
+      const Contact asked = contact(organ, shapes, pose, accuracy);
+      ASSERT_EQ(tracked.nearest.distance, asked.nearest.distance);
+      ASSERT_EQ(tracked.nearest.lower_bound, asked.nearest.lower_bound);
+      ASSERT_EQ(tracked.nearest.triangle, asked.nearest.triangle);
+      ASSERT_EQ(tracked.colliding, asked.colliding);
+      ASSERT_EQ(tracked.colliding_certain, asked.colliding_certain);
+    }
+  }
+}
+
 TEST(Contact, OfSeveralPiecesIsThatOfTheNearest) {
   const CollisionMesh cube(test::cube());
   const Eigen::Isometry3d up(Eigen::Translation3d(0, 0, 2));

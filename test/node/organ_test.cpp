@@ -72,6 +72,30 @@ TEST(Organ, MovesSingleVertices) {
   EXPECT_EQ(now[5], test::cube().positions()[5]);
 }
 
+TEST(Organ, TellsATrackerHowFarItsVerticesMovedAndWhenItsSplitsAreOthers) {
+  Organ organ("liver", "liver", test::blob(4));
+  core::Tracker tracker;
+  std::mt19937 generator(36);
+  const Eigen::Vector3d tip(0.06, 0.06, 0.06);
+  for (int i = 0; i < 100; ++i) {
+    core::Points positions = organ.snapshot()->organ.mesh().positions();
+    const auto moves = generator() % 3;
+    if (moves == 0) {
+      for (Eigen::Vector3d& position : positions) position += test::randomPoint(generator, 0.002);
+      organ.update({{}, positions}, UpdateMode::kRefit, 0);
+    } else {
+      const auto vertex = static_cast<core::VertexId>(generator() % positions.size());
+      const Eigen::Vector3d to = organ.snapshot()->organ.mesh().position(vertex) * 1.2;
+      organ.update({{vertex}, {to}}, i % 10 == 9 ? UpdateMode::kRebuild : UpdateMode::kRefit, 0);
+    }
+    const std::shared_ptr<const OrganSnapshot> now = organ.snapshot();
+    const core::NearestTriangle tracked = tracker.nearestTriangle(now->organ, now->motion(), tip);
+    const core::NearestTriangle searched = core::nearestTriangle(now->organ, tip);
+    ASSERT_EQ(tracked.distance, searched.distance);
+    ASSERT_EQ(tracked.triangle, searched.triangle);
+  }
+}
+
 TEST(Organ, RebuildAloneDoesNotRaiseTheVersion) {
   Organ organ = cube();
   organ.update({{}, lifted(1.0)}, UpdateMode::kRefit, 0);

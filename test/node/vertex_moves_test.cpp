@@ -31,6 +31,16 @@ Points line() {
 /// What the moves make of a line.
 Points after(const VertexMoves& moves) { return moved(line(), moves); }
 
+TEST(VertexMoves, AreAsFarAsTheFarthestVertexMoves) {
+  Points all = line();
+  all[3].y() = -0.5;
+  all[6].z() = 2.0;
+  EXPECT_DOUBLE_EQ(farthest({{}, all}, line()), 2.0);
+  EXPECT_GE(farthest({{}, all}, line()), 2.0);
+  EXPECT_DOUBLE_EQ(farthest({{VertexId{3}, VertexId{1}}, {all[3], all[1]}}, line()), 0.5);
+  EXPECT_EQ(farthest({{}, line()}, line()), 0.0);
+}
+
 TEST(VertexSet, KnowsItsMembersAndForgetsThemAtOnce) {
   VertexSet set(kVertices);
   EXPECT_FALSE(set.contains(VertexId{0}));

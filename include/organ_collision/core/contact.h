@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "organ_collision/core/instrument.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/tracking.h"
 
 namespace organ_collision::core {
 
@@ -30,5 +32,18 @@ Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& 
 /// lower_bound is -infinity. REQUIRES: at least one piece.
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,
                 const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
+
+/// Follows the pieces of one instrument over one organ.
+class ContactTracker {
+ public:
+  /// The same as the function of that name gives, each time from what the last one learnt. Answers
+  /// are exact where `accuracy` limits errors only, but for meshes, which are not followed. `organ`
+  /// is at `motion`.
+  Contact contact(const CollisionMesh& organ, const MeshMotion& motion, const Shapes& shapes,
+                  const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
+
+ private:
+  std::vector<Tracker> trackers_;  // of the pieces
+};
 
 }  // namespace organ_collision::core
