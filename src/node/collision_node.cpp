@@ -11,6 +11,7 @@
 #include "node/markers.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
+#include "organ_collision/core/nearest_triangles.h"
 #include "organ_collision/core/triangles_within.h"
 
 namespace organ_collision::node {
@@ -258,12 +259,16 @@ bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
     response.mesh_version = snapshot->version;
     response.header.frame_id = request.header.frame_id;
     response.header.stamp = pose.stamp;
-    response.nearest.reserve(request.points.size());
-    for (std::size_t i = 0; i < request.points.size(); ++i) {
-      const Eigen::Vector3d point = fromPoint(request.points[i]);
-      core::requireUsable(point, "point", i);
-      const core::NearestTriangle nearest =
-          core::nearestTriangle(snapshot->organ, organ_from_points * point, accuracy);
+    core::Points points;
+    points.reserve(request.points.size());
+    for (const geometry_msgs::Point& point : request.points) {
+      const Eigen::Vector3d as_sent = fromPoint(point);
+      core::requireUsable(as_sent, "point", points.size());
+      points.push_back(organ_from_points * as_sent);
+    }
+    response.nearest.reserve(points.size());
+    for (const core::NearestTriangle& nearest :
+         core::nearestTriangles(snapshot->organ, points, accuracy)) {
       organ.account(nearest, accuracy);
       response.nearest.push_back(toMessage(nearest, points_from_organ));
     }
