@@ -5,6 +5,7 @@
 
 #include "contender.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/tracking.h"
 
 namespace organ_collision::bench {
 namespace {
@@ -46,6 +47,13 @@ std::shared_ptr<Contender> oneByOne(const Organ& organ, Query query) {
 auto nearestWithin(const Accuracy& accuracy) {
   return [accuracy](const CollisionMesh& organ, const Eigen::Vector3d& tip) {
     return core::nearestTriangle(organ, tip, accuracy);
+  };
+}
+
+auto nearestFollowed() {
+  return [tracker = std::make_shared<core::Tracker>()](const CollisionMesh& organ,
+                                                       const Eigen::Vector3d& tip) {
+    return tracker->nearestTriangle(organ, {}, tip);
   };
 }
 
@@ -127,6 +135,11 @@ std::vector<Entrant> libraryEntrants(const core::TriangleMesh& mesh) {
   };
   return {
       {"exact", always, kDoubleTolerance, kAll, oneByOne(organ, nearestWithin({}))},
+      {"exact, previous known",
+       {Task::kPath},
+       kDoubleTolerance,
+       kAll,
+       oneByOne(organ, nearestFollowed())},
       setting("greedy", Accuracy::greedy()),
       setting("4 leaves", {0.0, 0.0, 4}),
       setting("16 leaves", {0.0, 0.0, 16}),
