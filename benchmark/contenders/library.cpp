@@ -5,6 +5,7 @@
 
 #include "contender.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/nearest_triangles.h"
 #include "organ_collision/core/tracking.h"
 
 namespace organ_collision::bench {
@@ -56,6 +57,21 @@ auto nearestFollowed() {
     return tracker->nearestTriangle(organ, {}, tip);
   };
 }
+
+/// Asks all tips in one call.
+class AllAtOnce : public Contender {
+ public:
+  explicit AllAtOnce(Organ organ) : organ_(std::move(organ)) {}
+
+  void answer(const core::Points& tips, std::vector<double>& distances) override {
+    distances.clear();
+    for (const NearestTriangle& nearest : core::nearestTriangles(*organ_, tips))
+      distances.push_back(std::abs(nearest.distance));
+  }
+
+ private:
+  Organ organ_;
+};
 
 /// Measures all triangles.
 class BruteForce : public Contender {
@@ -140,6 +156,11 @@ std::vector<Entrant> libraryEntrants(const core::TriangleMesh& mesh) {
        kDoubleTolerance,
        kAll,
        oneByOne(organ, nearestFollowed())},
+      {"exact, all cores",
+       {Task::kBatch},
+       kDoubleTolerance,
+       kAll,
+       std::make_shared<AllAtOnce>(organ)},
       setting("greedy", Accuracy::greedy()),
       setting("4 leaves", {0.0, 0.0, 4}),
       setting("16 leaves", {0.0, 0.0, 16}),
