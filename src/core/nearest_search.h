@@ -68,6 +68,7 @@ class NearestSearch : protected Search {
       corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
       beyond_ = beyond_ || !(unit.cwiseAbs().maxCoeff() < kBeyond);
     }
+    sparing = accuracy.max_leaves != 0;
     leaves_left =
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
     stack = scratch(tree.depth()).data();

@@ -37,8 +37,9 @@ struct Search {
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count;
   std::uint32_t leaves_left;  ///< that may be looked at
-  Waiting* stack;             ///< room for 7 to a level, and 2
-  double share, allowance;    ///< what is farther than best * share or best - allowance is left out
+  bool sparing;    ///< leaves are few: of a packet only those are looked at whose own boxes matter
+  Waiting* stack;  ///< room for 7 to a level, and 2
+  double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
   void (*measure)(Search& search, std::uint32_t leaf);

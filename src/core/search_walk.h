@@ -401,18 +401,57 @@ class Walk {
     }
   }
 
+  /// The triangles to look at while there are leaves left: one after the other, the nearest box
+  /// first, until no box is nearer than the best. None is farther than its `high`.
+  Truth<Real> chosen(const TrianglePacket& packet, const Lanes<Real>& high, Real rounding) {
+    const LaneVector<Real> a = load<Real>(packet.corner);
+    const LaneVector<Real> b = a + load<Real>(packet.edge1);
+    const LaneVector<Real> c = a + load<Real>(packet.edge2);
+    const auto least = [](const auto& x, const auto& y, const auto& z) {
+      return smaller(smaller(x, y), z);
+    };
+    const auto most = [](const auto& x, const auto& y, const auto& z) {
+      return larger(larger(x, y), z);
+    };
+    Vector<Real> tip_low, tip_high;
+    tipBox(
+        packet.origin, [](const Vector<Real>& v) { return v; }, tip_low, tip_high);
+    Real boxes[kLaneCount];
+    (root(squaredDistanceOf<Real>(
+         {least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)},
+         {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)}, tip_low, tip_high)) -
+     Lanes<Real>::all(rounding))
+        .store(boxes);
+    search_.bounds += packet.lane_count;
+    alignas(kVectorBytes) float is_chosen[kLaneCount] = {};
+    Real reach = reach_;
+    for (; search_.leaves_left > 0; --search_.leaves_left) {
+      std::uint32_t nearest = 0;
+      for (std::uint32_t lane = 1; lane < packet.lane_count; ++lane)
+        if (boxes[lane] < boxes[nearest]) nearest = lane;
+      if (!(boxes[nearest] <= reach) || is_chosen[nearest] == 1.0F) break;
+      boxes[nearest] = Real{kFloatInfinity};
+      is_chosen[nearest] = 1.0F;
+      reach = high[nearest] < reach ? high[nearest] : reach;
+      ++search_.triangles;
+    }
+    return Lanes<Real>::all(1) <= Lanes<Real>::load(is_chosen);
+  }
+
   /// Looks at the triangles of a packet: those that may be nearest are to be measured. All are at
   /// least as far as what it returns if packets are followed.
   Real scan(const TrianglePacket& packet) {
     Real rounding = 0;
     const Range<Real> range = rangeOf(packet, rounding);
     const Lanes<Real> bounds = range.low - Lanes<Real>::all(rounding);
-    const std::uint32_t looked_at =
-        packet.lane_count < search_.leaves_left ? packet.lane_count : search_.leaves_left;
-    search_.leaves_left -= looked_at;
-    search_.triangles += looked_at;
-    const Truth<Real> allowed =
-        Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(looked_at) - 1);
+    const Truth<Real> used =
+        Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
+    Truth<Real> allowed = used;
+    if (search_.sparing) {
+      allowed = chosen(packet, range.high + Lanes<Real>::all(rounding), rounding);
+    } else {
+      search_.triangles += packet.lane_count;
+    }
     const Real nearest =
         leastOf(select(allowed, range.high, Lanes<Real>::all(Real{kFloatInfinity})));
     const double not_farther =
@@ -425,8 +464,6 @@ class Walk {
                        lowestBit((allowed & (range.high <= Lanes<Real>::all(nearest))).bits());
     }
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
-    const Truth<Real> used =
-        Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
     left_out_ = leastOfThose(used & !matter, bounds, left_out_);
     Real bound[kLaneCount];
     bounds.store(bound);
