@@ -30,17 +30,13 @@ CollisionMesh::CollisionMesh(TriangleMesh mesh)
       tree_(mesh_, frame_),
       wide_tree_(tree_, mesh_, frame_) {}
 
-void CollisionMesh::takeStock() {
+void CollisionMesh::refitAll() {
   const Box box = boxOf(mesh_);
   frame_ = unitFrame(box);
-  tally_ = core::tallyOf(mesh_, *topology_, frame_);
-  health_ = healthOf(*topology_, box, tally_);
-}
-
-void CollisionMesh::refitAll() {
-  takeStock();
   tree_.refit(mesh_, frame_);
-  wide_tree_.refit(tree_, mesh_, frame_);
+  tally_ = wide_tree_.refit(tree_, mesh_, frame_);
+  tally_.parted_corners = partedCorners(mesh_, *topology_);
+  health_ = healthOf(*topology_, box, tally_);
 }
 
 void CollisionMesh::refit(Points positions) {

@@ -1,5 +1,7 @@
 #include "organ_collision/core/farthest_pair_tree.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_group.h>
 
@@ -72,6 +74,8 @@ std::vector<Member> orderedMembers(const TriangleMesh& mesh) {
 constexpr float kPlaneRounding = 0x1p-20F;
 /// The same for the distances to the poles themselves, in double precision.
 constexpr double kPoleRounding = 0x1p-46;
+
+constexpr std::size_t kGrain = 2048;  // nodes or leaves that are worth a task
 
 double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
@@ -191,7 +195,18 @@ FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh, const UnitFrame& fr
 
 void FarthestPairTree::refit(const TriangleMesh& mesh, const UnitFrame& frame) {
   frame_ = frame;
-  for (Node& node : nodes_) placePlane(mesh, node);
+  using Range = tbb::blocked_range<std::size_t>;
+  Points centroids(leaves_.size());
+  tbb::parallel_for(Range(0, leaves_.size(), kGrain), [&](const Range& some) {
+    for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf)
+      centroids[leaf] = centroidInFrame(mesh, static_cast<Leaf>(leaf));
+  });
+  tbb::parallel_for(Range(0, nodes_.size(), kGrain), [&](const Range& some) {
+    for (std::size_t i = some.begin(); i < some.end(); ++i) {
+      const auto [first, second] = nodes_[i].poles;
+      placePlane(nodes_[i], centroids[first], centroids[second]);
+    }
+  });
 }
 
 void FarthestPairTree::refit(const TriangleMesh& mesh, const std::vector<Leaf>& moved) {
@@ -208,7 +223,9 @@ void FarthestPairTree::refit(const TriangleMesh& mesh, const std::vector<Leaf>& 
     pending.pop_back();
     if (begin == end || set.isLeaf()) continue;
     Node& node = nodes_[set.node];
-    if (has_moved(node.poles[0]) || has_moved(node.poles[1])) placePlane(mesh, node);
+    const auto [one, other] = node.poles;
+    if (has_moved(one) || has_moved(other))
+      placePlane(node, centroidInFrame(mesh, one), centroidInFrame(mesh, other));
     const auto [first, second] = children(set);
     const Leaf* middle = std::lower_bound(begin, end, first.end);
     pending.push_back({first, begin, middle});
@@ -216,13 +233,13 @@ void FarthestPairTree::refit(const TriangleMesh& mesh, const std::vector<Leaf>& 
   }
 }
 
-void FarthestPairTree::placePlane(const TriangleMesh& mesh, Node& node) const {
-  const auto pole = [&](std::size_t i) {
-    const Triangle triangle = mesh.triangle(leaves_[node.poles[i]]);
-    return Eigen::Vector3d((frame_(triangle.a) + frame_(triangle.b) + frame_(triangle.c)) / 3.0);
-  };
-  const Eigen::Vector3d first = pole(0);
-  const Eigen::Vector3d second = pole(1);
+Eigen::Vector3d FarthestPairTree::centroidInFrame(const TriangleMesh& mesh, Leaf leaf) const {
+  const Triangle triangle = mesh.triangle(leaves_[leaf]);
+  return (frame_(triangle.a) + frame_(triangle.b) + frame_(triangle.c)) / 3.0;
+}
+
+void FarthestPairTree::placePlane(Node& node, const Eigen::Vector3d& first,
+                                  const Eigen::Vector3d& second) {
   const Eigen::Vector3f normal = (second - first).cast<float>();
   node.normal = {normal.x(), normal.y(), normal.z()};
   node.offset = static_cast<float>(normal.cast<double>().dot(0.5 * (first + second)));

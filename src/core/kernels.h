@@ -14,6 +14,22 @@ namespace organ_collision::core {
 /// corners there, which takes longer.
 enum class Fit : std::uint8_t { kBoxes, kCorners };
 
+/// Where the corners of eight triangles are [m]: first, second, third corner; x, y, z; lane.
+struct alignas(64) PacketCorners {
+  std::array<std::array<std::array<double, kLaneCount>, 3>, 3> position;
+};
+
+/// UnitFrame as plain data.
+struct PlainUnitFrame {
+  std::array<double, 3> center;
+  double scale;
+};
+
+struct PacketTally {
+  double volume;                ///< six times, in the unit frame, of the lanes in use
+  std::uint32_t maybe_no_area;  ///< lanes, by bits: rounding leaves it open; all others have one
+};
+
 struct Kernels {
   /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
   void (*walk)(Search& search);
@@ -21,6 +37,10 @@ struct Kernels {
   void (*follow)(Search& search, double step);
   /// Walks through two trees at once.
   void (*walkPairs)(PairSearch& search);
+  /// Takes over where its triangles are. REQUIRES: packet.lane_count; the other lanes of `corners`
+  /// repeat some of those.
+  PacketTally (*fill)(const PacketCorners& corners, const PlainUnitFrame& frame,
+                      TrianglePacket& packet);
   /// Places a node's origin and boxes. REQUIRES: that is done for all nodes and packets below.
   void (*enclose)(WideNode* nodes, const TrianglePacket* packets, std::uint32_t node, Fit fit);
 };

@@ -1,10 +1,11 @@
 #include "core/enclose.h"
+#include "core/fill.h"
 #include "core/kernels.h"
 #include "core/pair_walk.h"
 #include "core/search_walk.h"
 
 namespace organ_collision::core {
 
-const Kernels kAvx512Kernels = {walk, follow, walkPairs, enclose};
+const Kernels kAvx512Kernels = {walk, follow, walkPairs, fill, enclose};
 
 }  // namespace organ_collision::core

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 // Eight numbers at a time, in the compiler's own vectors of the width that the translation unit is
@@ -99,7 +100,21 @@ struct Lanes {
     }
     return result;
   }
+  /// As they are in memory.
+  static Lanes copy(const std::array<Real, kLanes>& values) {
+    Lanes result;
+    __builtin_memcpy(result.part, values.data(), sizeof(result.part));
+    return result;
+  }
   void store(Real* values) const { __builtin_memcpy(values, part, sizeof(part)); }
+  /// To where eight are aligned like a vector.
+  void storeRounded(std::array<float, kLanes>& values) const {
+    for (int i = 0; i < kParts; ++i) {
+      using Stored __attribute__((vector_size(kPartLanes * sizeof(float)))) = float;
+      *reinterpret_cast<Stored*>(&values[i * kPartLanes]) =
+          __builtin_convertvector(part[i], Stored);
+    }
+  }
   Real operator[](std::uint32_t lane) const { return part[lane / kPartLanes][lane % kPartLanes]; }
 };
 

@@ -39,9 +39,7 @@ HealthTally tallyOf(TriangleId id, const TriangleMesh& mesh, const MeshTopology&
   const Eigen::Vector3d b = frame(triangle.b);
   const Eigen::Vector3d c = frame(triangle.c);
   tally.volume = a.dot(b.cross(c));
-  // Six products of three, each rounded three times; then the sum that this goes into, below 1e9
-  // terms like it.
-  tally.rounding = 0x1p-49 * a.norm() * b.norm() * c.norm();
+  tally.rounding = HealthTally::kVolumeRounding;
   return tally;
 }
 
@@ -53,8 +51,22 @@ HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology,
   return tally;
 }
 
+std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology) {
+  if (!topology.hasWelds()) return 0;
+  std::size_t count = 0;
+  for (const Corners& corners : mesh.triangles()) {
+    for (const VertexId corner : corners)
+      if (!topology.isAtWeld(corner, mesh)) ++count;
+  }
+  return count;
+}
+
 Box boxOf(const TriangleMesh& mesh) {
   Box box;
+  if (mesh.usesAllVertices()) {
+    for (const Eigen::Vector3d& position : mesh.positions()) box.add(position);
+    return box;
+  }
   for (const Corners& corners : mesh.triangles())
     for (const VertexId corner : corners) box.add(mesh.position(corner));
   return box;

@@ -98,6 +98,18 @@ int exactSign(const ExactDifference& p, const ExactDifference& q, const ExactDif
   return determinant.sign();
 }
 
+/// The filter of orientation(a, b, c) along all three axes at a time.
+bool isClearlyNotCollinear(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d p = b - a;
+  const Vector3d q = c - a;
+  const auto is_clear = [](double left, double right) {
+    const double magnitude = std::abs(left) + std::abs(right);
+    return (magnitude > kNoUnderflow) & (std::abs(left - right) > kErrorOf2d * magnitude);
+  };
+  return is_clear(p.x() * q.y(), p.y() * q.x()) | is_clear(p.y() * q.z(), p.z() * q.y()) |
+         is_clear(p.z() * q.x(), p.x() * q.z());
+}
+
 }  // namespace
 
 int orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
@@ -133,6 +145,7 @@ int orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c, const V
 }
 
 bool collinear(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  if (isClearlyNotCollinear(a, b, c)) return false;
   const auto aligned_along = [&](int axis) {
     return orientation(alongAxis(a, axis), alongAxis(b, axis), alongAxis(c, axis)) == 0;
   };

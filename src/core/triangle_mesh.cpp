@@ -42,14 +42,19 @@ TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)
                                 " triangles: more than 32-bit indices allow");
   }
   requireAllUsable(positions_);
+  std::vector<bool> used(positions_.size(), false);
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     for (const VertexId corner : triangles_[i]) {
-      if (index(corner) < positions_.size()) continue;
+      if (index(corner) < positions_.size()) {
+        used[index(corner)] = true;
+        continue;
+      }
       throw std::invalid_argument("triangle " + std::to_string(i) + " names vertex " +
                                   std::to_string(index(corner)) + " of " +
                                   std::to_string(positions_.size()));
     }
   }
+  uses_all_vertices_ = std::find(used.begin(), used.end(), false) == used.end();
 }
 
 void TriangleMesh::setPositions(Points positions) {

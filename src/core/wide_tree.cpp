@@ -1,5 +1,9 @@
 #include "organ_collision/core/wide_tree.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,6 +11,7 @@
 #include <limits>
 
 #include "core/kernels.h"
+#include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
 namespace {
@@ -22,6 +27,11 @@ using Set = WideTree::Set;
 constexpr double kShorter = 1.0 - 0x1p-20;
 /// What rounding makes of a box's corner, for a reach of 1.
 constexpr float kBoxRounding = 0x1p-18F;
+
+// So many are worth a task.
+constexpr std::size_t kPacketGrain = 256;
+constexpr std::size_t kNodeGrain = 64;
+using Range = tbb::blocked_range<std::size_t>;
 
 Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> axesOf(const WideTree::Node& node) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(node.axes.front().data());
@@ -47,17 +57,6 @@ Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   for (std::uint32_t leaf = 0; leaf < centroids.size(); ++leaf)
     centroids[leaf] = frame(centroid(mesh.triangle(tree.triangle(leaf))));
   return centroids;
-}
-
-void place(LanePoints& points, std::uint32_t lane, const Vector3d& point) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    points[axis][lane] = static_cast<float>(point[static_cast<Eigen::Index>(axis)]);
-}
-
-/// A point of the unit frame that single precision can hold, close to `point`. Not by converting
-/// there and back: GCC 12 takes pairs of such conversions for nothing.
-Vector3d inSinglePrecision(const Vector3d& point) {
-  return point.unaryExpr([](double x) { return std::nearbyint(x * 0x1p23) * 0x1p-23; });
 }
 
 }  // namespace
@@ -174,8 +173,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   parents_.push_back(0);
   for (std::uint32_t self = 0; self < nodes_.size(); ++self) {
     addChildren(tree, collapse, self, sets);
-    depth_ = depths[self];  // level by level, the last is the deepest
-    depths.resize(nodes_.size(), depth_ + 1);
+    if (depths[self] > levels_.size()) levels_.push_back(self);
+    depths.resize(nodes_.size(), depths[self] + 1);
     const Matrix3f axes =
         (kShorter * principalAxes(&centroids[sets[self].begin], sets[self].size())).cast<float>();
     for (Eigen::Index row = 0; row < 3; ++row)
@@ -186,8 +185,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   nodes_.shrink_to_fit();
   packets_.shrink_to_fit();
   parents_.shrink_to_fit();
-  for (Packet& packet : packets_) fill(packet, tree, mesh);
-  for (std::size_t i = nodes_.size(); i-- > 0;) enclose(i, Fit::kCorners);
+  fillAll(tree, mesh);
+  encloseAll(Fit::kCorners);
 }
 
 void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collapse,
@@ -213,23 +212,47 @@ void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collaps
   }
 }
 
-void WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
-                     const UnitFrame& frame) {
+HealthTally WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
+                            const UnitFrame& frame) {
   frame_ = frame;
-  for (Packet& packet : packets_) fill(packet, tree, mesh);
-  for (std::size_t i = nodes_.size(); i-- > 0;) enclose(i, Fit::kBoxes);
+  const HealthTally tally = fillAll(tree, mesh);
+  encloseAll(Fit::kBoxes);
+  return tally;
+}
+
+HealthTally WideTree::fillAll(const FarthestPairTree& tree, const TriangleMesh& mesh) {
+  // In the same parts each time, so that sums round the same way.
+  return tbb::parallel_deterministic_reduce(
+      Range(0, packets_.size(), kPacketGrain), HealthTally(),
+      [&](const Range& some, HealthTally tally) {
+        for (std::size_t i = some.begin(); i < some.end(); ++i) tally.add(fill(i, tree, mesh));
+        return tally;
+      },
+      [](HealthTally first, const HealthTally& second) {
+        first.add(second);
+        return first;
+      });
+}
+
+void WideTree::encloseAll(Fit fit) {
+  std::size_t end = nodes_.size();
+  for (auto level = levels_.rbegin(); level != levels_.rend(); end = *level++) {
+    tbb::parallel_for(Range(*level, end, kNodeGrain), [&](const Range& some) {
+      for (std::size_t i = some.begin(); i < some.end(); ++i) enclose(i, fit);
+    });
+  }
 }
 
 void WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
                      const std::vector<Leaf>& moved) {
   std::vector<std::uint32_t> touched;  // nodes
-  const Packet* last = nullptr;
+  std::size_t last = packets_.size();
   for (const Leaf leaf : moved) {
-    Packet& packet = packets_[places_[index(tree.triangle(leaf))] / kLaneCount];
-    if (&packet == last) continue;
-    last = &packet;
+    const std::size_t packet = places_[index(tree.triangle(leaf))] / kLaneCount;
+    if (packet == last) continue;
+    last = packet;
     fill(packet, tree, mesh);
-    for (std::uint32_t node = packet.parent;; node = parents_[node]) {
+    for (std::uint32_t node = packets_[packet].parent;; node = parents_[node]) {
       touched.push_back(node);
       if (node == 0) break;
     }
@@ -239,27 +262,33 @@ void WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
   for (const std::uint32_t node : touched) enclose(node, Fit::kBoxes);
 }
 
-void WideTree::fill(Packet& packet, const FarthestPairTree& tree, const TriangleMesh& mesh) const {
-  Vector3d origin;
-  double squared_radius = 0.0;
+/// Returns what its triangles add to the mesh's health, but for parted corners.
+HealthTally WideTree::fill(std::size_t number, const FarthestPairTree& tree,
+                           const TriangleMesh& mesh) {
+  Packet& packet = packets_[number];
+  PacketCorners corners;
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
     const Leaf leaf = packet.first_leaf + (lane < packet.lane_count ? lane : 0);
-    const Triangle triangle = mesh.triangle(tree.triangle(leaf));
-    const Vector3d a = frame_(triangle.a);
-    const Vector3d b = frame_(triangle.b);
-    const Vector3d c = frame_(triangle.c);
-    if (lane == 0) {
-      origin = inSinglePrecision(a);
-      packet.origin = {static_cast<float>(origin.x()), static_cast<float>(origin.y()),
-                       static_cast<float>(origin.z())};
+    const Corners& vertices = mesh.corners(tree.triangle(leaf));
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vector3d& position = mesh.position(vertices[corner]);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        corners.position[corner][axis][lane] = position[static_cast<Eigen::Index>(axis)];
     }
-    place(packet.corner, lane, a - origin);
-    place(packet.edge1, lane, b - a);
-    place(packet.edge2, lane, c - a);
-    for (const Vector3d& corner : {a, b, c})
-      squared_radius = std::max(squared_radius, squaredLength(corner - origin));
   }
-  packet.radius = static_cast<float>(std::sqrt(squared_radius) * (1.0 + 0x1p-20));
+  const auto [center, scale] = frame_;
+  const PacketTally found =
+      kernels().fill(corners, {{center.x(), center.y(), center.z()}, scale}, packet);
+
+  HealthTally tally;
+  tally.volume = found.volume;
+  tally.rounding = packet.lane_count * HealthTally::kVolumeRounding;
+  for (std::uint32_t lane = 0; lane < packet.lane_count && found.maybe_no_area != 0; ++lane) {
+    if ((found.maybe_no_area >> lane & 1U) == 0) continue;
+    const Triangle triangle = mesh.triangle(tree.triangle(packet.first_leaf + lane));
+    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
+  }
+  return tally;
 }
 
 void WideTree::enclose(std::size_t node, Fit fit) {
@@ -280,7 +309,8 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
 
 std::size_t WideTree::memory() const {
   return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(Packet) +
-         parents_.capacity() * sizeof(std::uint32_t) + places_.capacity() * sizeof(std::uint32_t);
+         parents_.capacity() * sizeof(std::uint32_t) +
+         (places_.capacity() + levels_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace organ_collision::core

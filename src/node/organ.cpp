@@ -1,7 +1,5 @@
 #include "node/organ.h"
 
-#include <tbb/task_arena.h>
-
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -12,25 +10,17 @@
 #include "node/stopwatch.h"
 
 namespace organ_collision::node {
-namespace {
-
-/// Built by this thread alone: the other processors are there for queries, and CostStopwatch sees
-/// the whole cost.
-core::CollisionMesh builtAlone(core::TriangleMesh mesh) {
-  tbb::task_arena alone(1);
-  return alone.execute([&mesh] { return core::CollisionMesh(std::move(mesh)); });
-}
-
-}  // namespace
 
 /// A hierarchy that was built, and what the policies must know of it.
 struct Organ::Build {
-  explicit Build(core::TriangleMesh mesh) : organ(builtAlone(std::move(mesh))) {
+  explicit Build(core::TriangleMesh mesh)
+      : organ(alone.execute([&mesh] { return core::CollisionMesh(std::move(mesh)); })) {
     cost = watch.elapsed();
-    organ.refit(organ.mesh().positions());
+    alone.execute([this] { organ.refit(organ.mesh().positions()); });
     refit_cost = watch.elapsed() - cost;
   }
 
+  tbb::task_arena alone{1};  // the other processors are there for queries
   CostStopwatch watch;
   core::CollisionMesh organ;
   double cost;        // [s]
@@ -215,7 +205,7 @@ Organ::Refit Organ::catchUp(OrganSnapshot& state, const VertexMoves& moves) {
   const VertexMoves missed = log_.since(state.version, moves, latest);
   if (missed.none()) return {Action::kNone, ""};
   if (missed.whole()) {
-    state.organ.refit(missed.positions);
+    alone_.execute([&] { state.organ.refit(missed.positions); });
     refit_policy_.recordFull(std::nullopt, watch.elapsed());
     return {Action::kRefit, ""};
   }
@@ -226,7 +216,7 @@ Organ::Refit Organ::catchUp(OrganSnapshot& state, const VertexMoves& moves) {
     refit_policy_.recordPartial(count, watch.elapsed());
     return {Action::kPartialRefit, figures};
   }
-  state.organ.refit(moved(latest, missed));
+  alone_.execute([&] { state.organ.refit(moved(latest, missed)); });
   refit_policy_.recordFull(count, watch.elapsed());
   return {Action::kRefit, figures};
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tbb/task_arena.h>
+
 #include <atomic>
 #include <cstdint>
 #include <future>
@@ -127,6 +129,7 @@ class Organ {
 
   mutable std::mutex building_;  // of all below; held by whoever makes the next snapshot
   MoveLog log_;
+  tbb::task_arena alone_{1};  // full refits: the other processors are there for queries
   RefitPolicy refit_policy_;
   RebuildPolicy rebuild_policy_;
   std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits

@@ -43,7 +43,6 @@ class CollisionMesh {
  private:
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
   HealthTally tallyOf(const std::vector<TriangleId>& triangles) const;
-  void takeStock();
   void refitAll();
 
   TriangleMesh mesh_;

@@ -81,7 +81,9 @@ class FarthestPairTree {
 
   class Builder;
 
-  void placePlane(const TriangleMesh& mesh, Node& node) const;
+  Eigen::Vector3d centroidInFrame(const TriangleMesh& mesh, Leaf leaf) const;
+  static void placePlane(Node& node, const Eigen::Vector3d& first_pole,
+                         const Eigen::Vector3d& second_pole);
   bool isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
                            const Eigen::Vector3d& tip) const;
 

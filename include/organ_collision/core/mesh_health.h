@@ -32,6 +32,10 @@ struct HealthTally {
   double volume = 0.0;             ///< six times, in the unit frame
   double rounding = 0.0;           ///< of the volume
 
+  /// Of a triangle's volume, and of adding it to those of 1e9 others: six products of three
+  /// coordinates below 4, each rounded some times.
+  static constexpr double kVolumeRounding = 0x1p-49 * 4 * 4 * 4;
+
   void add(const HealthTally& other);
   void remove(const HealthTally& other);
 };
@@ -41,6 +45,8 @@ HealthTally tallyOf(TriangleId triangle, const TriangleMesh& mesh, const MeshTop
                     const UnitFrame& frame);
 /// Of all triangles. O(n).
 HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology, const UnitFrame& frame);
+/// Those of all triangles that are no longer where their weld is. O(n), if there are welds.
+std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology);
 
 /// Of all triangles. O(n).
 Box boxOf(const TriangleMesh& mesh);

@@ -29,6 +29,8 @@ class MeshTopology {
     return {triangles_at_.data() + offsets_[weld], triangles_at_.data() + offsets_[weld + 1]};
   }
 
+  /// Some vertices were at the same position.
+  bool hasWelds() const { return representatives_.size() < welds_.size(); }
   bool closed() const { return closed_; }  ///< every edge has an even number of triangles
   bool consistentlyWound() const {
     return consistently_wound_;
@@ -39,7 +41,7 @@ class MeshTopology {
 
   /// Whether a vertex is where the first of its weld is.
   bool isAtWeld(VertexId vertex, const TriangleMesh& mesh) const {
-    return mesh.position(vertex) == mesh.position(representatives_[weld(vertex)]);
+    return !hasWelds() || mesh.position(vertex) == mesh.position(representatives_[weld(vertex)]);
   }
 
   std::size_t memory() const;  ///< [bytes]

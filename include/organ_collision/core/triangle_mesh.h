@@ -33,6 +33,8 @@ class TriangleMesh {
   const Points& positions() const { return positions_; }
   const std::vector<Corners>& triangles() const { return triangles_; }
   std::size_t triangleCount() const { return triangles_.size(); }
+  /// Every vertex is a corner of a triangle.
+  bool usesAllVertices() const { return uses_all_vertices_; }
 
   const Eigen::Vector3d& position(VertexId id) const { return positions_[index(id)]; }
   const Corners& corners(TriangleId id) const { return triangles_[index(id)]; }
@@ -54,6 +56,7 @@ class TriangleMesh {
  private:
   Points positions_;
   std::vector<Corners> triangles_;
+  bool uses_all_vertices_;
 };
 
 /// The centroid (P1+P2+P3)/3 [m] that stands for a triangle (Muñoz et al. 2012), the same bits for

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/mesh_health.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/unit_frame.h"
 #include "organ_collision/core/wide_node.h"
@@ -34,9 +35,11 @@ class WideTree {
 
   WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// Takes over the positions of `mesh`; sets and orientations stay. O(n). Source: G. van den
-  /// Bergen, "Efficient collision detection of complex deformable models using AABB trees" (1997).
-  void refit(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
+  /// Takes over the positions of `mesh`; sets and orientations stay. Returns what the triangles add
+  /// to the mesh's health but for parted corners, as it passes them all. O(n), on all cores.
+  /// Source: G. van den Bergen, "Efficient collision detection of complex deformable models using
+  /// AABB trees" (1997).
+  HealthTally refit(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
 
   /// The same where only the triangles of `moved` (leaves, ascending) have moved, in the frame of
   /// the last refit. O(k log n) for k leaves.
@@ -54,15 +57,17 @@ class WideTree {
   const std::vector<Node>& nodes() const { return nodes_; }  ///< the root first
   const std::vector<Packet>& packets() const { return packets_; }
 
-  std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a packet
-  std::size_t memory() const;                   ///< [bytes]
+  std::size_t depth() const { return levels_.size(); }  ///< nodes on the longest path to a packet
+  std::size_t memory() const;                           ///< [bytes]
 
  private:
   class Collapse;
 
   void addChildren(const FarthestPairTree& tree, const Collapse& collapse, std::uint32_t self,
                    std::vector<Set>& sets);
-  void fill(Packet& packet, const FarthestPairTree& tree, const TriangleMesh& mesh) const;
+  HealthTally fill(std::size_t packet, const FarthestPairTree& tree, const TriangleMesh& mesh);
+  HealthTally fillAll(const FarthestPairTree& tree, const TriangleMesh& mesh);
+  void encloseAll(Fit fit);
   void enclose(std::size_t node, Fit fit);
 
   UnitFrame frame_;
@@ -70,7 +75,7 @@ class WideTree {
   std::vector<Packet> packets_;
   std::vector<std::uint32_t> parents_;  // of the nodes
   std::vector<std::uint32_t> places_;   // of each triangle: its packet * 8 + its lane
-  std::size_t depth_ = 0;
+  std::vector<std::uint32_t> levels_;   // the first node of each
 };
 
 }  // namespace organ_collision::core
