@@ -62,19 +62,21 @@ Candidate atCorner(const Corner& corner) {
   return {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Unit(corner.slot)};
 }
 
-Candidate stepFrom(const Corner& base, const Vector3d& step) {
-  return {&base, step, squaredLength(base.offset + step), Vector3d::Zero()};
+/// Steps to a point that is nearer than the best so far; false if it is not.
+bool improve(Candidate& best, const Corner& base, const Vector3d& step) {
+  const double squared_distance = squaredLength(base.offset + step);
+  if (!(squared_distance < best.squared_distance)) return false;
+  best = {&base, step, squared_distance, Vector3d::Zero()};
+  return true;
 }
 
 /// The point nearest to the query between the corners, unless it is `nearer` itself.
-std::optional<Candidate> insideEdge(const Corner& nearer, const Corner& farther) {
+void considerEdge(const Corner& nearer, const Corner& farther, Candidate& best) {
   const Vector3d edge = farther.position - nearer.position;
   const double t = -nearer.offset.dot(edge) / squaredLength(edge);
-  if (!(t > 0 && t < 1)) return std::nullopt;
-  Candidate candidate = stepFrom(nearer, t * edge);
-  candidate.barycentric[nearer.slot] = 1 - t;
-  candidate.barycentric[farther.slot] = t;
-  return candidate;
+  if (!(t > 0 && t < 1) || !improve(best, nearer, t * edge)) return;
+  best.barycentric[nearer.slot] = 1 - t;
+  best.barycentric[farther.slot] = t;
 }
 
 /// False only where there is an area for sure.
@@ -83,23 +85,22 @@ bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
 }
 
 /// The point nearest to the query, if that is inside the face.
-std::optional<Candidate> insideFace(const Corners3& corners) {
+void considerFace(const Corners3& corners, Candidate& best) {
   const auto& [base, left, right] = corners;  // the shortest way to go is the most accurate
   const Vector3d to_left = left.position - base.position;
   const Vector3d to_right = right.position - base.position;
   const std::optional<Vector2d> weights = planeCoordinates(-base.offset, to_left, to_right);
-  if (!weights) return std::nullopt;
+  if (!weights) return;
   const double s = weights->x();
   const double t = weights->y();
   const double rest = 1 - (s + t);
-  if (!(s > 0 && t > 0 && rest > 0)) return std::nullopt;
+  if (!(s > 0 && t > 0 && rest > 0)) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
-    return std::nullopt;
-  Candidate candidate = stepFrom(base, s * to_left + t * to_right);
-  candidate.barycentric[base.slot] = rest;
-  candidate.barycentric[left.slot] = s;
-  candidate.barycentric[right.slot] = t;
-  return candidate;
+    return;
+  if (!improve(best, base, s * to_left + t * to_right)) return;
+  best.barycentric[base.slot] = rest;
+  best.barycentric[left.slot] = s;
+  best.barycentric[right.slot] = t;
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -115,13 +116,10 @@ Feature featureOf(const Vector3d& barycentric) {
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
   const Corners3 corners = nearestFirst(query, triangle);
   Candidate best = atCorner(corners[0]);
-  const auto consider = [&best](const std::optional<Candidate>& candidate) {
-    if (candidate && candidate->squared_distance < best.squared_distance) best = *candidate;
-  };
-  consider(insideEdge(corners[0], corners[1]));
-  consider(insideEdge(corners[0], corners[2]));
-  consider(insideEdge(corners[1], corners[2]));
-  consider(insideFace(corners));
+  considerEdge(corners[0], corners[1], best);
+  considerEdge(corners[0], corners[2], best);
+  considerEdge(corners[1], corners[2], best);
+  considerFace(corners, best);
 
   const Box seen = boxOf({corners[0].offset, corners[1].offset, corners[2].offset});
   const Box box = boxOf(triangle);

@@ -1,7 +1,6 @@
 #include "organ_collision/core/nearest_triangle.h"
 
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -19,10 +18,13 @@ std::vector<Waiting>& scratch(std::size_t depth) {
 }
 
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest) {
-  nearest.normal = pseudonormal(organ, nearest.triangle, nearest.closest.feature);
-  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) return nearest;
-  const std::optional<Side> side =
-      sideOf(organ, nearest.tip_point, nearest.triangle, nearest.closest);
+  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) {
+    nearest.normal = pseudonormal(organ, nearest.triangle, nearest.closest.feature);
+    return nearest;
+  }
+  const auto [normal, side] =
+      normalAndSide(organ, nearest.tip_point, nearest.triangle, nearest.closest);
+  nearest.normal = normal;
   nearest.distance_signed = side.has_value();
   if (side == Side::kInside) {
     nearest.distance = -nearest.distance;

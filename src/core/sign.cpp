@@ -158,20 +158,20 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
   return winding;
 }
 
-std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
-                           TriangleId triangle, const ClosestPoint& closest) {
+NormalAndSide normalAndSide(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                            TriangleId triangle, const ClosestPoint& closest) {
   const MeshHealth& health = organ.health();
-  if (!health.isSolid()) return std::nullopt;
-  if (!health.box.contains(point)) return Side::kOutside;
+  const Fan fan(organ, triangle, closest.feature);
+  const Eigen::Vector3d normal = orientationFactor(organ) * fan.normal().stableNormalized();
+  if (!health.isSolid()) return {normal, std::nullopt};
+  if (!health.box.contains(point)) return {normal, Side::kOutside};
   const double extent =
       largestCoordinate(closest.offset) + largestCoordinate(health.box.high - health.box.low);
-  const Fan fan(organ, triangle, closest.feature);
-  const double height = -orientationFactor(organ) *
-                        closest.offset.stableNormalized().dot(fan.normal().stableNormalized());
+  const double height = -closest.offset.stableNormalized().dot(normal);
   const bool clear = fan.isWellShaped() && std::abs(height) > kClear &&
                      largestCoordinate(closest.offset) > 0x1p-30 * extent;
-  if (clear) return height > 0.0 ? Side::kOutside : Side::kInside;
-  return windingNumber(organ, point) == 0 ? Side::kOutside : Side::kInside;
+  const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
+  return {normal, outside ? Side::kOutside : Side::kInside};
 }
 
 }  // namespace organ_collision::core

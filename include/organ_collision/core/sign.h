@@ -22,10 +22,16 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 /// organ.health().isSolid().
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point);
 
-/// On which side of the organ `point` is; nothing where the organ is no solid. `closest` must be
-/// the exactly nearest point of the organ, on `triangle`. By the pseudonormal where rounding cannot
-/// turn it, else by the winding number.
-std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
-                           TriangleId triangle, const ClosestPoint& closest);
+/// The pseudonormal at a point's nearest point, and the side of the organ on which the point is;
+/// no side where the organ is no solid.
+struct NormalAndSide {
+  Eigen::Vector3d normal;
+  std::optional<Side> side;
+};
+
+/// `closest` must be the point of the organ exactly nearest to `point`, on `triangle`. The side is
+/// told by the pseudonormal where rounding cannot turn it, else by the winding number.
+NormalAndSide normalAndSide(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                            TriangleId triangle, const ClosestPoint& closest);
 
 }  // namespace organ_collision::core
