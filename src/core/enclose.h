@@ -16,6 +16,10 @@ constexpr float kRadiusRounding = 1.0F + 0x1p-20F;
 /// Axes are so much shorter than 1, or rounding them could make turning a vector lengthen it.
 constexpr float kShorter = 1.0F - 0x1p-20F;
 
+/// How deep Fit::kBoxes looks for boxes. More levels draw boxes closer, and let a partial refit
+/// take longer: benchmark/update_figures tells both.
+constexpr int kLevels = 3;
+
 struct LaneBox {
   LaneVector<float> low, high;
 
@@ -76,49 +80,66 @@ inline LaneBox boxOfCorners(const TrianglePacket& packet, const Vector<float>& o
   return box;
 }
 
-/// Of a node's packets, seen from another node.
-inline LaneBox boxOfPackets(const WideNode& node, const Vector<float>& offset, const Turn& turn) {
+/// Of a node's boxes from a lane on, seen from another node.
+inline LaneBox boxOfLanes(const WideNode& node, std::uint32_t first_lane,
+                          const Vector<float>& offset, const Turn& turn) {
   const LaneVector<float> low = load<float>(node.low);
   const LaneVector<float> high = load<float>(node.high);
   const Lanes<float> half = Lanes<float>::all(0.5F);
   const LaneVector<float> middle = everywhere(offset) + turn(half * (low + high));
   const LaneVector<float> reach = turn.magnitudes()(half * (high - low));
-  const Truth<float> is_packet =
-      Lanes<float>::all(static_cast<float>(node.node_count)) <= Lanes<float>::numbers();
+  const Truth<float> is_meant =
+      Lanes<float>::all(static_cast<float>(first_lane)) <= Lanes<float>::numbers();
   const LaneBox box = {middle - reach, middle + reach};
   const LaneBox none = emptyLaneBox();
-  return {{select(is_packet, box.low.x, none.low.x), select(is_packet, box.low.y, none.low.y),
-           select(is_packet, box.low.z, none.low.z)},
-          {select(is_packet, box.high.x, none.high.x), select(is_packet, box.high.y, none.high.y),
-           select(is_packet, box.high.z, none.high.z)}};
+  return {{select(is_meant, box.low.x, none.low.x), select(is_meant, box.low.y, none.low.y),
+           select(is_meant, box.low.z, none.low.z)},
+          {select(is_meant, box.high.x, none.high.x), select(is_meant, box.high.y, none.high.y),
+           select(is_meant, box.high.z, none.high.z)}};
 }
 
 inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& to) {
   return vectorOf(to) - vectorOf(from.origin);
 }
 
-/// Adds a node's packets to a box in another's orientation.
-inline void addPackets(const WideNode& node, const TrianglePacket* packets, const WideNode& target,
-                       Fit fit, LaneBox& box) {
+/// Adds the corners of a node's packets to a box in another's orientation.
+inline void addCorners(const WideNode& node, const TrianglePacket* packets, const WideNode& target,
+                       LaneBox& box) {
   const std::uint32_t packet_count = node.lane_count - node.node_count;
-  if (fit == Fit::kCorners) {
-    for (std::uint32_t i = 0; i < packet_count; ++i) {
-      const TrianglePacket& packet = packets[node.first_packet + i];
-      box.add(boxOfCorners(packet, offsetOf(target, packet.origin), turnOf(target)));
-    }
-  } else if (packet_count > 0) {
-    const Turn turn = turnOf(target);
-    const Vector<float> offset = offsetOf(target, node.origin);
-    box.add(boxOfPackets(node, {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
-                         turnBetween(node, target)));
+  for (std::uint32_t i = 0; i < packet_count; ++i) {
+    const TrianglePacket& packet = packets[node.first_packet + i];
+    box.add(boxOfCorners(packet, offsetOf(target, packet.origin), turnOf(target)));
   }
 }
 
-/// Adds what is below one node, level by level: those of a level follow one another.
+/// Adds a node's boxes from a lane on to a box in another's orientation.
+inline void addBoxes(const WideNode& node, std::uint32_t first_lane, const WideNode& target,
+                     LaneBox& box) {
+  if (first_lane == node.lane_count) return;
+  const Turn turn = turnOf(target);
+  const Vector<float> offset = offsetOf(target, node.origin);
+  box.add(boxOfLanes(node, first_lane,
+                     {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
+                     turnBetween(node, target)));
+}
+
+/// Adds what is below one node, level by level: those of a level follow one another. With
+/// Fit::kBoxes not deeper than kLevels, or refitting a node would take the longer the more is
+/// below.
 inline void addBelow(const WideNode* nodes, const TrianglePacket* packets, const WideNode& target,
                      std::uint32_t top, Fit fit, LaneBox& box) {
-  for (std::uint32_t begin = top, end = top + 1; begin != end;) {
-    for (std::uint32_t i = begin; i < end; ++i) addPackets(nodes[i], packets, target, fit, box);
+  std::uint32_t begin = top;
+  std::uint32_t end = top + 1;
+  for (int level = 1; begin != end; ++level) {
+    const bool is_last = fit == Fit::kBoxes && level == kLevels;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      if (fit == Fit::kCorners) {
+        addCorners(nodes[i], packets, target, box);
+      } else {
+        addBoxes(nodes[i], is_last ? 0 : nodes[i].node_count, target, box);
+      }
+    }
+    if (is_last) return;
     begin = nodes[begin].first_node;
     end = nodes[end - 1].first_node + nodes[end - 1].node_count;
   }

@@ -10,8 +10,8 @@
 // unit may be called by code for another.
 namespace organ_collision::core {
 
-/// How closely a node's boxes are drawn: around the boxes of all packets below, or around all the
-/// corners there, which takes longer.
+/// How closely a node's boxes are drawn: around boxes that lie some levels below, which takes the
+/// same time for every node, or around all the corners there.
 enum class Fit : std::uint8_t { kBoxes, kCorners };
 
 /// Where the corners of eight triangles are [m]: first, second, third corner; x, y, z; lane.
