@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "organ_collision/core/collision_mesh.h"
+#include "organ_collision/core/nearest_triangle.h"
 #include "temporary_folder.h"
 
 namespace organ_collision::io {
@@ -310,11 +312,21 @@ std::string mutant(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
+/// Whatever a reader lets through, the rest must bear.
+void askAsTheNodeDoes(core::TriangleMesh mesh) {
+  const core::CollisionMesh organ(std::move(mesh));
+  for (const Eigen::Vector3d& tip : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e3, -7, 1e-3)}) {
+    const core::NearestTriangle nearest = core::nearestTriangle(organ, tip);
+    EXPECT_TRUE(std::isfinite(nearest.distance)) << nearest.distance;
+    EXPECT_EQ(nearest.lower_bound, nearest.upper_bound);
+  }
+}
+
 TEST_P(EveryFormat, AnswersEveryMutantInTime) {
   const std::size_t mutants = roundCount(300);
   constexpr double kSlack = 4.0;  // [s] for a busy machine
   LoadLimits limits;
-  limits.seconds = 0.3;
+  if (!GetParam().is_indexed) limits.seconds = 0.3;  // assimp hangs now and then
   const std::string bytes = GetParam().bytes(awkwardShape());
   std::mt19937 random(2012);
   std::size_t accepted = 0;
@@ -322,7 +334,7 @@ TEST_P(EveryFormat, AnswersEveryMutantInTime) {
   for (std::size_t i = 0; i < mutants; ++i) {
     const auto file = folder_.write(GetParam().file, mutant(bytes, random));
     const auto begin = std::chrono::steady_clock::now();
-    const std::string message = messageOf([&] { loadMesh(file, 1.0, limits); });
+    const std::string message = messageOf([&] { askAsTheNodeDoes(loadMesh(file, 1.0, limits)); });
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     slowest = std::max(slowest, taken.count());
     accepted += message.empty() ? 1U : 0U;
