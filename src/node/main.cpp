@@ -16,7 +16,7 @@ namespace {
 
 using organ_collision::node::CollisionNode;
 
-constexpr std::chrono::milliseconds kGrace(700);  // for an orderly end, before it is a quick one
+constexpr std::chrono::milliseconds kGrace(500);  // for an orderly end, before it is a quick one
 
 std::atomic<bool> told_to_end{false};
 

@@ -116,7 +116,7 @@ class Load(unittest.TestCase):
         end = self.info()
         merged, lost = end.updates_merged - start.updates_merged, end.updates_lost - start.updates_lost
         print(f"{sum(calls)} calls in {SECONDS} s, {min(calls)} or more of each client, {cut_off} cut off, the slowest "
-              f"{slowest:.3f} s; {sent} updates, {merged} merged, {lost} lost; longest silence {silences.longest:.3f} s; "
+              f"{slowest:.3f} s; {sent} updates, {merged} merged, {lost} lost; silence {silences.longest:.3f} s; "
               f"memory {[round(1e-6 * quarter, 1) for quarter in quarters]} MB")
         self.assertEqual([each[3] for each in results], [""] * CLIENTS)
         self.assertGreater(min(calls), SECONDS)
