@@ -83,6 +83,25 @@ TEST(NearestTriangle, GreedyEqualsALiteralTranscriptionOfThePaper) {
   }
 }
 
+TEST(NearestTriangle, FromSoFarThatSquaresWouldOverflowMeasuresAllTriangles) {
+  const CollisionMesh speck(test::cube(0x1p-300));
+  const Eigen::Vector3d tip(0x1p200, 0, 0);
+  const NearestTriangle nearest = nearestTriangle(speck, tip);
+  EXPECT_EQ(nearest.distance, 0x1p200);
+  EXPECT_TRUE(nearest.isExact());
+  EXPECT_EQ(nearest.work.triangles, 12U);
+  const NearestTriangle of_four = nearestTriangle(speck, tip, {0, 0, 4});
+  EXPECT_EQ(of_four.work.triangles, 4U);
+  EXPECT_EQ(of_four.upper_bound, 0x1p200);
+  EXPECT_LE(of_four.lower_bound, 0x1p200);
+}
+
+TEST(NearestTriangle, OfAnOrganInOnePointIsThatPoint) {
+  const CollisionMesh point(TriangleMesh({{1, 2, 3}}, {test::corners(0, 0, 0)}));
+  EXPECT_EQ(nearestTriangle(point, Eigen::Vector3d(1, 2, 7)).distance, 4.0);
+  EXPECT_EQ(nearestTriangle(point, Eigen::Vector3d(1, 2, 3)).distance, 0.0);
+}
+
 TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();

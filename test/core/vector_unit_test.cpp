@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <stdexcept>
 #include <tuple>
 
 #include "every_vector_unit.h"
+#include "organ_collision/core/nearest_pair.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/tracking.h"
 #include "organs_and_tips.h"
 
 namespace organ_collision::core {
@@ -73,21 +76,53 @@ TEST_P(EachVectorUnit, ChangesNoBitOfAHierarchy) {
   }
 }
 
-TEST_P(EachVectorUnit, ChangesNoBitOfAnAnswer) {
+/// The same answer from the baseline and from the unit.
+template <class Query>
+void expectSameBits(VectorUnit unit, const Query& query) {
+  const auto [expected, found] = onBoth(unit, query);
+  ASSERT_EQ(contents(found), contents(expected));
+}
+
+TEST_P(EachVectorUnit, ChangesNoBitOfANearestTriangle) {
   std::mt19937 generator(71);
   for (const CollisionMesh& organ : organs()) {
     for (std::size_t i = 0; i < test::queryCount(300); ++i) {
-      const Eigen::Vector3d tip = test::randomTip(generator, organ);
+      const Eigen::Vector3d point = test::randomTip(generator, organ);
       const Triangle triangle = test::randomTriangle(generator, organ);
+      const Triangle segment = {triangle.a, triangle.b, triangle.b};
       for (const Accuracy& accuracy :
            {Accuracy{0, 0, 1}, Accuracy{0, 0, 16}, Accuracy{0.05, 0, 0}, Accuracy::exact()}) {
-        const auto of_point =
-            onBoth(GetParam(), [&] { return nearestTriangle(organ, tip, accuracy); });
-        ASSERT_EQ(contents(of_point.second), contents(of_point.first));
-        const auto of_triangle =
-            onBoth(GetParam(), [&] { return nearestTriangle(organ, triangle, accuracy); });
-        ASSERT_EQ(contents(of_triangle.second), contents(of_triangle.first));
+        expectSameBits(GetParam(), [&] { return nearestTriangle(organ, point, accuracy); });
+        expectSameBits(GetParam(), [&] { return nearestTriangle(organ, triangle, accuracy); });
+        expectSameBits(GetParam(), [&] { return nearestTriangle(organ, segment, accuracy); });
       }
+    }
+  }
+}
+
+TEST_P(EachVectorUnit, ChangesNoBitOfWhatIsFollowed) {
+  std::mt19937 generator(72);
+  for (const CollisionMesh& organ : organs()) {
+    Eigen::Vector3d tip = test::randomTip(generator, organ);
+    const double step = 0.01 * (organ.health().box.high - organ.health().box.low).maxCoeff();
+    std::array<Tracker, 2> trackers;  // of the baseline, of the unit
+    for (std::size_t i = 0; i < test::queryCount(300); ++i) {
+      tip += test::randomPoint(generator, step);
+      auto tracker = trackers.begin();
+      expectSameBits(GetParam(), [&] { return (tracker++)->nearestTriangle(organ, {}, tip); });
+    }
+  }
+}
+
+TEST_P(EachVectorUnit, ChangesNoBitOfTheNearestPairOfSurfaces) {
+  std::mt19937 generator(73);
+  const CollisionMesh jaw(test::blob(2));
+  for (const CollisionMesh& organ : organs()) {
+    for (std::size_t i = 0; i < test::queryCount(30); ++i) {
+      Eigen::Isometry3d pose(Eigen::Translation3d(test::randomTip(generator, organ)));
+      pose.rotate(Eigen::AngleAxisd(0.1 * static_cast<double>(i), Eigen::Vector3d::UnitY()));
+      for (const Accuracy& accuracy : {Accuracy{0, 0, 16}, Accuracy{0.05, 0, 0}, Accuracy::exact()})
+        expectSameBits(GetParam(), [&] { return nearestPair(jaw, pose, organ, accuracy).nearest; });
     }
   }
 }
