@@ -33,6 +33,11 @@ auto contents(const WideNode& node) {
                   node.first_packet, node.node_count, node.lane_count);
 }
 
+auto contents(const TrianglePacket& packet) {
+  return std::tie(packet.corner, packet.edge1, packet.edge2, packet.origin, packet.radius,
+                  packet.first_leaf, packet.lane_count, packet.parent);
+}
+
 auto contents(const NearestTriangle& nearest) {
   return std::tie(nearest.triangle, nearest.closest.point, nearest.closest.offset,
                   nearest.closest.barycentric, nearest.closest.squared_distance,
@@ -57,9 +62,14 @@ TEST_P(EachVectorUnit, IsInUseOnceChosen) { EXPECT_EQ(vectorUnit(), GetParam());
 
 TEST_P(EachVectorUnit, ChangesNoBitOfAHierarchy) {
   const auto expect_same = [](const CollisionMesh& expected, const CollisionMesh& found) {
-    ASSERT_EQ(found.wideTree().nodes().size(), expected.wideTree().nodes().size());
-    for (std::size_t i = 0; i < expected.wideTree().nodes().size(); ++i)
-      ASSERT_EQ(contents(found.wideTree().nodes()[i]), contents(expected.wideTree().nodes()[i]));
+    const auto expect_same_parts = [](const auto& expected_parts, const auto& parts) {
+      ASSERT_EQ(parts.size(), expected_parts.size());
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        ASSERT_EQ(contents(parts[i]), contents(expected_parts[i]));
+    };
+    expect_same_parts(expected.wideTree().nodes(), found.wideTree().nodes());
+    expect_same_parts(expected.wideTree().packets(), found.wideTree().packets());
+    EXPECT_EQ(warnings(found.health()), warnings(expected.health()));
   };
   for (const CollisionMesh& organ : organs()) {
     const auto built = onBoth(GetParam(), [&] { return CollisionMesh(organ.mesh()); });
