@@ -99,8 +99,8 @@ class WideTree::Collapse {
       const auto [one, other] = tree_.children(set);
       const std::uint32_t total = first ? kLaneCount : used;
       const std::uint32_t for_first = costs_[set.node].first_slots[total - 1];
-      pending.push_back({other, total - for_first});
-      pending.push_back({one, for_first});
+      pending.emplace_back(other, total - for_first);
+      pending.emplace_back(one, for_first);
       first = false;
     }
     std::stable_partition(parts.begin(), parts.end(),
