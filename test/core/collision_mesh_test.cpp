@@ -4,13 +4,10 @@
 
 #include <cmath>
 #include <stdexcept>
-#include <tuple>
-#include <vector>
 
 #include "brute_force.h"
 #include "every_vector_unit.h"
 #include "organ_collision/core/nearest_triangle.h"
-#include "organ_collision/core/vector_unit.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
@@ -86,30 +83,6 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
         ASSERT_EQ(nearestTriangle(organ, tip, Accuracy::greedy()).triangle,
                   organ.tree().triangle(test::greedyLeaf(organ.tree(), organ.mesh(), tip)));
       }
-    }
-  }
-}
-
-TEST(CollisionMesh, RefitsToTheSameBitsOnEveryVectorUnit) {
-  const VectorUnit usual = vectorUnit();
-  std::vector<CollisionMesh> organs;
-  for (const VectorUnit unit : availableVectorUnits()) {
-    useVectorUnit(unit);
-    organs.emplace_back(test::soup(300, 5));
-    organs.back().refit(twisted(test::soup(300, 5).positions(), 1.0));
-  }
-  useVectorUnit(usual);
-  for (const CollisionMesh& organ : organs) {
-    EXPECT_EQ(organ.health().degenerate_triangles, organs[0].health().degenerate_triangles);
-    for (std::size_t i = 0; i < organ.wideTree().nodes().size(); ++i) {
-      EXPECT_EQ(organ.wideTree().nodes()[i].low, organs[0].wideTree().nodes()[i].low);
-      EXPECT_EQ(organ.wideTree().nodes()[i].high, organs[0].wideTree().nodes()[i].high);
-    }
-    for (std::size_t i = 0; i < organ.wideTree().packets().size(); ++i) {
-      const TrianglePacket& packet = organ.wideTree().packets()[i];
-      const TrianglePacket& first = organs[0].wideTree().packets()[i];
-      EXPECT_EQ(std::tie(packet.origin, packet.radius, packet.corner, packet.edge1, packet.edge2),
-                std::tie(first.origin, first.radius, first.corner, first.edge1, first.edge2));
     }
   }
 }
