@@ -40,7 +40,7 @@ ORDER = ["greedy", "4 leaves", "16 leaves", "1 %", "exact", "exact, previous kno
          "nanoflann on centroids", "brute force", OWN_UPDATE, OWN_UPDATE + ", partial", THEIR_UPDATE, "Embree, static",
          "FCL OBBRSS, top down", "Bullet", "Bullet, partial"]
 SHARES_AT = 32768  # triangles, about, of the organ of which some vertices move in the plot
-GROWTH_FROM = 2000  # triangles: below, the caches hide the growth
+GROWTH_FROM = 2000  # triangles: below, the caches hide the growth, and what is there once weighs
 COLOURS = ["#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"]  # Okabe and Ito (2008)
 
 
@@ -194,8 +194,11 @@ def other_targets(results):
     exponent = growth(organs, lambda organ: work(organ["query"]["near"]["exact"]))
     add("growth of the work of an exact near query (bounds and triangle tests), exponent of the number of triangles",
         0.35, exponent, f"{exponent or 0:.3f}")
-    memory = [organ["update"]["build"][OWN_UPDATE]["hierarchy_bytes"] for organ in organs.values() if "update" in organ]
-    add("hierarchy, bytes a triangle", 120, max(memory, default=None), f"{max(memory, default=0):.1f}")
+    memory = [(organ["update"]["build"][OWN_UPDATE]["hierarchy_bytes"], name) for name, organ in organs.items()
+              if "update" in organ and organ["triangles"] >= GROWTH_FROM]
+    value, name = max(memory, default=(None, ""))
+    add(f"hierarchy and packets, bytes a triangle, from {thousands(GROWTH_FROM)} triangles on", 120, value,
+        f"{value or 0:.1f} ({name})")
     for priority, node in results["node_latency"].items():
         for what, key, limit, scale in (("median [ms]", "p50_us", 0.3, 1e-3), ("99 % [ms]", "p99_us", 1.0, 1e-3),
                                         ("contacts lost", "lost", 0, 1)):
