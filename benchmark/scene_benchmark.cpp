@@ -24,22 +24,29 @@ using core::Shapes;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kNear = 0.005;  // [m] of the instrument's origin from the organ's surface, at most
+/// How instruments stand to an organ.
+struct Placing {
+  double height;  ///< [m] of their origin above the surface, at most
+  bool pointing;  ///< at the surface, as from a trocar; else turned anyhow
+};
+constexpr Placing kPointing = {0.005, true};
+constexpr Placing kTurned = {0.005, false};  // half of the long ones cross the surface
+constexpr Placing kFar = {0.2, false};
 
 std::shared_ptr<const CollisionMesh> shipped(const std::string& name) {
   return std::make_shared<const CollisionMesh>(
       io::loadMesh(std::filesystem::path(MESHES) / (name + ".obj")));
 }
 
-/// Turned anyhow, just above the surface.
-Isometry3d randomPoseNear(std::mt19937& generator, const CollisionMesh& organ) {
+Isometry3d randomPose(std::mt19937& generator, const CollisionMesh& organ, const Placing& placing) {
   const auto triangle = static_cast<core::TriangleId>(generator() % organ.mesh().triangleCount());
   const auto [a, b, c] = organ.mesh().triangle(triangle);
-  const double height = kNear * static_cast<double>(generator() % 1000) / 1000.0;
+  const double height = placing.height * static_cast<double>(generator() % 1000) / 1000.0;
   const Vector3d normal = (b - a).cross(c - a).normalized();
+  const Eigen::Translation3d place(core::centroid({a, b, c}) + height * normal);
+  if (!placing.pointing) return place * test::randomPose(generator, 0.0);
   // The shapes below reach along -z: their z axis is the way in.
-  return Eigen::Translation3d(core::centroid({a, b, c}) + height * normal) *
-         Eigen::Quaterniond::FromTwoVectors(Vector3d(0, 0, -1), normal);
+  return place * Eigen::Quaterniond::FromTwoVectors(Vector3d(0, 0, -1), normal);
 }
 
 void report(benchmark::State& state, std::size_t bytes, const core::SearchWork& work) {
@@ -49,11 +56,19 @@ void report(benchmark::State& state, std::size_t bytes, const core::SearchWork& 
   state.counters["triangle tests"] = Counter(work.triangles, Counter::kAvgIterations);
 }
 
-void against_an_organ(benchmark::State& state, const Shapes& shapes, std::size_t bytes) {
-  const CollisionMesh organ(bench::liver(0));
+std::size_t bytesOf(const Shape& shape) {
+  const auto* mesh = std::get_if<core::RigidMesh>(&shape);
+  return sizeof(Shape) + (mesh != nullptr ? mesh->surface->memory() : 0);
+}
+
+/// The liver has 11,520 * 4^levels triangles.
+void against_a_liver(benchmark::State& state, std::size_t levels, const Shape& shape,
+                     const Placing& placing) {
+  const CollisionMesh organ(bench::liver(levels));
+  const Shapes shapes = {shape};
   std::mt19937 generator(1);
   std::vector<Isometry3d> poses;
-  for (int i = 0; i < 500; ++i) poses.push_back(randomPoseNear(generator, organ));
+  for (int i = 0; i < 500; ++i) poses.push_back(randomPose(generator, organ, placing));
   core::SearchWork work;
   std::size_t i = 0;
   for (auto _ : state) {
@@ -62,7 +77,7 @@ void against_an_organ(benchmark::State& state, const Shapes& shapes, std::size_t
     work.bounds += found.nearest.work.bounds;
     work.triangles += found.nearest.work.triangles;
   }
-  report(state, bytes, work);
+  report(state, bytesOf(shape), work);
 }
 
 Shape jaw() { return core::RigidMesh{shipped("jaw"), Isometry3d::Identity()}; }
@@ -74,13 +89,12 @@ core::RigidMesh cylinder() {
 
 const core::Capsule kShaft{{0, 0, 0}, {0, 0, -0.2}, 0.0025};
 
-std::size_t bytesOf(const Shape& shape) {
-  const auto* mesh = std::get_if<core::RigidMesh>(&shape);
-  return sizeof(Shape) + (mesh != nullptr ? mesh->surface->memory() : 0);
+void instrument(benchmark::State& state, const Shape& shape) {
+  against_a_liver(state, 0, shape, kPointing);
 }
 
-void instrument(benchmark::State& state, const Shape& shape) {
-  against_an_organ(state, {shape}, bytesOf(shape));
+void on_46080_triangles(benchmark::State& state, const Shape& shape, const Placing& placing) {
+  against_a_liver(state, 1, shape, placing);
 }
 
 void two_instruments(benchmark::State& state, const Shape& first, const Shape& second) {
@@ -125,7 +139,7 @@ void triangles_within(benchmark::State& state, double radius) {
   std::mt19937 generator(1);
   std::size_t found = 0;
   for (auto _ : state) {
-    const Vector3d point = randomPoseNear(generator, organ).translation();
+    const Vector3d point = randomPose(generator, organ, kPointing).translation();
     found += core::trianglesWithin(organ, point, radius).triangles.size();
   }
   state.counters["found"] =
@@ -144,6 +158,21 @@ BENCHMARK_CAPTURE(instrument, sphere, (core::Sphere{{0, 0, 0}, 0.003}))
 BENCHMARK_CAPTURE(instrument, capsule, kShaft)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(instrument, cylinder_of_a_link, cylinder())->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(instrument, jaw_of_980_triangles, jaw())->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, point_pointing, Vector3d(0, 0, 0), kPointing)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, capsule_pointing, kShaft, kPointing)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, jaw_pointing, jaw(), kPointing)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, point_turned, Vector3d(0, 0, 0), kTurned)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, capsule_turned, kShaft, kTurned)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, jaw_turned, jaw(), kTurned)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, point_far, Vector3d(0, 0, 0), kFar)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, capsule_far, kShaft, kFar)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(on_46080_triangles, jaw_far, jaw(), kFar)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(two_instruments, capsule_capsule, kShaft, kShaft)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(two_instruments, convex_capsule, cylinder(), kShaft)
     ->Unit(benchmark::kMicrosecond);

@@ -87,6 +87,7 @@ bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
 /// The point nearest to the query, if that is inside the face.
 void considerFace(const Corners3& corners, Candidate& best) {
   const auto& [base, left, right] = corners;  // the shortest way to go is the most accurate
+  if (base.position == left.position || left.position == right.position) return;
   const Vector3d to_left = left.position - base.position;
   const Vector3d to_right = right.position - base.position;
   const std::optional<Vector2d> weights = planeCoordinates(-base.offset, to_left, to_right);

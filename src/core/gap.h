@@ -50,16 +50,16 @@ inline Lanes<Real> distanceOfGap(const Lanes<Real>& gap, const Lanes<Real>& squa
 template <class Real>
 inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end,
                               const LaneVector<Real>& low, const LaneVector<Real>& high) {
-  constexpr int kRounds = 3;  // from one to the other and back: more find hardly anything nearer
+  constexpr int kRounds = 2;  // from one to the other and back: more find hardly anything nearer
   const Vector<Real> along = end - start;
-  const Lanes<Real> squared_along = Lanes<Real>::all(dot(along, along));
+  const Lanes<Real> inverse = Lanes<Real>::all(1 / dot(along, along));
   const LaneVector<Real> from = everywhere(start);
   const LaneVector<Real> step = everywhere(along);
   LaneVector<Real> in_box = Lanes<Real>::all(Real{0.5}) * (low + high);
   LaneVector<Real> direction;
   for (int round = 0; round < kRounds; ++round) {
     const LaneVector<Real> on_segment =
-        from + clampedTo1(dot(in_box - from, step) / squared_along) * step;
+        from + clampedTo1(dot(in_box - from, step) * inverse) * step;
     in_box = clamped(on_segment, low, high);
     direction = on_segment - in_box;
   }
@@ -90,12 +90,14 @@ struct Shortest {
 /// vector from nearest point to nearest point. Source: C. Ericson, "Real-time collision detection"
 /// (2005), 5.1.9.
 template <class Real>
-inline LaneVector<Real> betweenEdges(const Vector<Real>& start, const Vector<Real>& step,
-                                     const LaneVector<Real>& lane_start,
-                                     const LaneVector<Real>& edge) {
+[[gnu::always_inline]] inline LaneVector<Real> betweenEdges(const Vector<Real>& start,
+                                                            const Vector<Real>& step,
+                                                            const LaneVector<Real>& lane_start,
+                                                            const LaneVector<Real>& edge) {
   const LaneVector<Real> along = everywhere(step);
   const LaneVector<Real> between = lane_start - everywhere(start);
-  const Lanes<Real> squared_along = Lanes<Real>::all(dot(step, step));
+  const Real squared_step = dot(step, step);
+  const Lanes<Real> squared_along = Lanes<Real>::all(squared_step);
   const Lanes<Real> squared_edge = dot(edge, edge);
   const Lanes<Real> both = dot(along, edge);
   const Lanes<Real> first = dot(along, between);
@@ -103,7 +105,7 @@ inline LaneVector<Real> betweenEdges(const Vector<Real>& start, const Vector<Rea
   const Lanes<Real> s = clampedTo1((first * squared_edge - second * both) /
                                    (squared_along * squared_edge - both * both));
   const Lanes<Real> t = clampedTo1((s * both - second) / squared_edge);
-  const Lanes<Real> nearest = clampedTo1((t * both + first) / squared_along);
+  const Lanes<Real> nearest = clampedTo1((t * both + first) * Lanes<Real>::all(1 / squared_step));
   return between + t * edge - nearest * along;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/kernels.h"
+#include "core/nearest_search.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
 
@@ -41,7 +42,7 @@ AffineMap mapOf(const Matrix3d& linear, const Vector3d& offset) {
   return map;
 }
 
-std::vector<WaitingPair>& scratch(std::size_t levels) {
+std::vector<WaitingPair>& stackFor(std::size_t levels) {
   thread_local std::vector<WaitingPair> stack;
   // Opening a pair takes it from the stack and puts up to 64 there.
   const std::size_t room = 1 + (kLaneCount * kLaneCount - 1) * levels;
@@ -51,20 +52,23 @@ std::vector<WaitingPair>& scratch(std::size_t levels) {
 
 /// Farther than this many sizes apart, all triangles are equally far but for rounding of
 /// 4*u*extent: any two will do.
-constexpr double kBeyond = 0x1p60;
+constexpr double kTooFar = 0x1p60;
 
 class PairNearest : private PairSearch {
  public:
   PairNearest(const CollisionMesh& first_surface, const Isometry3d& pose,
               const CollisionMesh& second_surface, const Accuracy& accuracy)
-      : PairSearch(), first_(first_surface), second_(second_surface), pose_(pose) {
+      : PairSearch(),
+        first_(first_surface),
+        second_(second_surface),
+        pose_(pose),
+        is_limited_(accuracy.max_leaves != 0) {
     first = {first_.wideTree().nodes().data(), first_.wideTree().packets().data()};
     second = {second_.wideTree().nodes().data(), second_.wideTree().packets().data()};
     placeFrames();
-    pairs_left =
-        accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
+    pairs_left = is_limited_ ? accuracy.max_leaves : std::numeric_limits<std::uint32_t>::max();
     // A packet is a level too.
-    stack = scratch(first_.wideTree().depth() + second_.wideTree().depth() + 2).data();
+    stack = stackFor(first_.wideTree().depth() + second_.wideTree().depth() + 2).data();
     PairSearch::measure = [](PairSearch& search, Leaf leaf_of_first, Leaf leaf_of_second) {
       static_cast<PairNearest&>(search).measure(leaf_of_first, leaf_of_second);
     };
@@ -75,8 +79,9 @@ class PairNearest : private PairSearch {
 
   NearestPair run() {
     measureGreedily();
-    const bool beyond = !(largestCoordinate(second_from_first.offset) < kBeyond) ||
-                        !(largestCoordinate(first_from_second.offset) < kBeyond);
+    const bool beyond = !(largestCoordinate(second_from_first.offset) < kTooFar) ||
+                        !(largestCoordinate(first_from_second.offset) < kTooFar);
+    if (!beyond && !is_limited_) measureToAndFro();
     if (!beyond) kernels().walkPairs(*this);
     return answer();
   }
@@ -125,6 +130,28 @@ class PairNearest : private PairSearch {
     --pairs_left;
   }
 
+  /// From a point of one surface to the nearest of the other, and back: where that leads, a search
+  /// has little left to do.
+  void measureToAndFro() {
+    constexpr int kTurns = 3;
+    const Isometry3d back(pose_.inverse(Eigen::Affine));
+    double before = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < kTurns && best > 0.0 && best < before; ++turn) {
+      before = best;
+      const auto there = nearestTo(second_, pair_.point_on_first);
+      const auto here = nearestTo(first_, back * there.closest.point);
+      measure(first_.wideTree().leafOf(here.triangle), second_.wideTree().leafOf(there.triangle));
+    }
+  }
+
+  NearestTriangle nearestTo(const CollisionMesh& surface, const Vector3d& point) {
+    NearestTriangle nearest =
+        NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact()).run();
+    bounds += nearest.work.bounds;
+    triangles += nearest.work.triangles;
+    return nearest;
+  }
+
   void measure(Leaf leaf_of_first, Leaf leaf_of_second) {
     const ClosestPair candidate = closestPoints(ofFirst(leaf_of_first), ofSecond(leaf_of_second));
     const double squared_distance = candidate.on_second.squared_distance;
@@ -158,6 +185,7 @@ class PairNearest : private PairSearch {
   const CollisionMesh& first_;
   const CollisionMesh& second_;
   const Isometry3d& pose_;
+  const bool is_limited_;
   ClosestPair pair_ = {};
   std::pair<Leaf, Leaf> best_leaves_ = {};
   double squared_best_ = std::numeric_limits<double>::infinity();

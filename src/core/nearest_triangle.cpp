@@ -18,8 +18,10 @@ std::vector<Waiting>& scratch(std::size_t depth) {
 }
 
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest) {
-  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) {
+  const bool touches = nearest.upper_bound == 0.0;  // of 0 both signs are right
+  if (touches || (!nearest.isExact() && organ.health().box.contains(nearest.tip_point))) {
     nearest.normal = pseudonormal(organ, nearest.triangle, nearest.closest.feature);
+    nearest.distance_signed = touches && organ.health().isSolid();
     return nearest;
   }
   const auto [normal, side] =

@@ -184,6 +184,10 @@ class PairWalk {
     if (bound < search_.unopened) search_.unopened = bound;
   }
 
+  void leaveOut(const Truth<Real>& those, const Lanes<Real>& bounds) {
+    left_out_ = smaller(left_out_, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
+  }
+
   /// What every bound gives away; see above.
   Real roundingOf(const BoxesOf& first, const BoxesOf& second,
                   const Placement<Real>& placement) const {
@@ -209,20 +213,22 @@ class PairWalk {
         bounds[0] = smaller(bounds[0], bounds[i]);
     WaitingPair* const bottom = top;
     for (std::uint32_t i = 0; i < first.childCount(); ++i) {
+      if (second.packet() != nullptr) bounds[i] = Lanes<Real>::all(leastOf(bounds[i]));
+      // Lanes that are not in use repeat others.
+      const Truth<Real> matter = bounds[i] <= Lanes<Real>::all(reach_);
+      leaveOut(!matter, bounds[i]);
       Real bound[kLaneCount];
       bounds[i].store(bound);
-      if (second.packet() != nullptr) bound[0] = leastOf(bounds[i]);
-      for (std::uint32_t k = 0; k < second.childCount(); ++k)
-        top = put({inFloat(bound[k]), first.child(i), second.child(k)}, bottom, top);
+      const std::uint32_t used = (1U << second.childCount()) - 1;
+      for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
+        const std::uint32_t lane = lowestBit(rest);
+        top = put({inFloat(bound[lane]), first.child(i), second.child(lane)}, bottom, top);
+      }
     }
     return top;
   }
 
-  WaitingPair* put(const WaitingPair& pair, const WaitingPair* bottom, WaitingPair* top) {
-    if (static_cast<Real>(pair.bound) > reach_) {
-      leaveOut(pair.bound);
-      return top;
-    }
+  static WaitingPair* put(const WaitingPair& pair, const WaitingPair* bottom, WaitingPair* top) {
     WaitingPair* place = top;
     for (; place != bottom && place[-1].bound < pair.bound; --place) *place = place[-1];
     *place = pair;
@@ -296,18 +302,18 @@ class PairWalk {
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
     const Truth<Real> used =
         Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(second.lane_count) - 1);
-    left_out_ = smaller(left_out_, select(used & !matter, bounds, infinite));
+    leaveOut(used & !matter, bounds);
     Real bound[kLaneCount];
     bounds.store(bound);
-    bool perhaps_meet = false;
+    bool may_meet = false;
     for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
       if (candidate_count_ == kMostCandidates) measureCandidates();
       candidates_[candidate_count_++] = {inFloat(bound[lane]), leaf_of_first,
                                          second.first_leaf + lane};
-      perhaps_meet = perhaps_meet || bound[lane] <= 0;
+      may_meet = may_meet || bound[lane] <= 0;
     }
-    if (perhaps_meet) measureCandidates();  // then nothing else needs to be looked at
+    if (may_meet) measureCandidates();  // then nothing else matters
   }
 
   /// Measures exactly what still may be nearest.

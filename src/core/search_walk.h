@@ -467,11 +467,14 @@ class Walk {
     left_out_ = leastOfThose(used & !matter, bounds, left_out_);
     Real bound[kLaneCount];
     bounds.store(bound);
+    bool may_meet = false;
     for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
       if (candidate_count_ == kMostCandidates) measureCandidates();
       candidates_[candidate_count_++] = {inFloat(bound[lane]), packet.first_leaf + lane};
+      may_meet = may_meet || bound[lane] <= 0;
     }
+    if (!kIsPoint && may_meet) measureCandidates();  // then hardly anything else matters
     if (search_.followed == nullptr) return 0;
     return leastOf(select(used, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }

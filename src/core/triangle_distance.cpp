@@ -66,11 +66,12 @@ void consider(const ClosestPair& pair, ClosestPair& best) {
   if (pair.on_second.squared_distance < best.on_second.squared_distance) best = pair;
 }
 
-/// The least of 6 vertex-face and 9 edge-edge distances.
+/// The least of 6 vertex-face and 9 edge-edge distances, each once if the first is a segment.
 ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
+  const bool is_segment = first.b == first.c;
   ClosestPair best{first.a, closestPointOnTriangle(first.a, second)};
   consider({first.b, closestPointOnTriangle(first.b, second)}, best);
-  consider({first.c, closestPointOnTriangle(first.c, second)}, best);
+  if (!is_segment) consider({first.c, closestPointOnTriangle(first.c, second)}, best);
   const std::array<Vector3d, 3> corners = cornersOf(second);
   for (int i = 0; i < 3; ++i)
     consider(fromCorner(corners[i], i, closestPointOnTriangle(corners[i], first)), best);
@@ -83,6 +84,7 @@ ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
       const std::optional<ClosestPair> pair = insideEdges(edge_of_first, edge_of_second, offsets);
       if (pair) consider(*pair, best);
     }
+    if (is_segment) break;
   }
   return best;
 }

@@ -69,8 +69,16 @@ Isometry3d randomPlacement(std::mt19937& generator, const CollisionMesh& first,
   const double reach =
       std::ldexp(sizeOf(first) + sizeOf(second), 2 - static_cast<int>(generator() % 8)) *
       (generator() % 8 == 0 ? std::ldexp(1.0, static_cast<int>(generator() % 20)) : 1.0);
+  Isometry3d pose = test::randomPose(generator, reach);
+  if (generator() % 8 == 0) {  // a vertex on a vertex
+    const Points& ours = first.mesh().positions();
+    const Points& theirs = second.mesh().positions();
+    pose.translation() =
+        theirs[generator() % theirs.size()] - pose.linear() * ours[generator() % ours.size()];
+    return pose;
+  }
   const Box& box = second.health().box;
-  return Eigen::Translation3d(0.5 * (box.low + box.high)) * test::randomPose(generator, reach);
+  return Eigen::Translation3d(0.5 * (box.low + box.high)) * pose;
 }
 
 bool holds(const CollisionMesh& solid, const Vector3d& point) {
