@@ -67,10 +67,10 @@ inline PacketTally fill(const PacketCorners& corners, const PlainUnitFrame& fram
   storeRounded(b - a, packet.edge1);
   storeRounded(c - a, packet.edge2);
 
-  const auto squaredReach = [&origin](const LaneVector<double>& point) {
+  const auto squared_reach = [&origin](const LaneVector<double>& point) {
     return dot(point - origin, point - origin);
   };
-  const Lanes<double> reach = larger(larger(squaredReach(a), squaredReach(b)), squaredReach(c));
+  const Lanes<double> reach = larger(larger(squared_reach(a), squared_reach(b)), squared_reach(c));
   packet.radius = static_cast<float>(rootOf(-leastOf(Lanes<double>{} - reach)) * (1.0 + 0x1p-20));
 
   const Lanes<double> volumes = dot(a, cross(b - a, c - a));

@@ -9,7 +9,7 @@
 // but whatever the direction between them, how far it keeps two convex bodies apart is a lower
 // bound of their distance, and if the points are nearly the nearest, it is nearly the distance.
 //
-// Rounding, in the terms of search_walk.h: extents along a direction are off by 3*u*(d + r),
+// Rounding, in the terms of bounds.h: extents along a direction are off by 3*u*(d + r),
 // besides the u*d and r*u of the corners themselves; their difference by u*(d + r), the length of
 // the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). All that is below
 // 16*u*d + 64*(u + v)*r; what is told is to be lessened by twice as much, which leaves room for the

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 // Eight numbers at a time, in the compiler's own vectors of the width that the translation unit is
@@ -96,7 +97,7 @@ struct Lanes {
     for (int i = 0; i < kParts; ++i) {
       using Stored __attribute__((vector_size(kPartLanes * sizeof(float)))) = float;
       result.part[i] = __builtin_convertvector(
-          *reinterpret_cast<const Stored*>(values + i * kPartLanes), Numbers);
+          *reinterpret_cast<const Stored*>(values + std::ptrdiff_t{i} * kPartLanes), Numbers);
     }
     return result;
   }
@@ -111,7 +112,7 @@ struct Lanes {
   void storeRounded(std::array<float, kLanes>& values) const {
     for (int i = 0; i < kParts; ++i) {
       using Stored __attribute__((vector_size(kPartLanes * sizeof(float)))) = float;
-      *reinterpret_cast<Stored*>(&values[i * kPartLanes]) =
+      *reinterpret_cast<Stored*>(values.data() + std::ptrdiff_t{i} * kPartLanes) =
           __builtin_convertvector(part[i], Stored);
     }
   }
@@ -199,6 +200,10 @@ inline Lanes<Real> select(const Truth<Real>& truth, const Lanes<Real>& a, const 
   for (int i = 0; i < Lanes<Real>::kParts; ++i)
     result.part[i] = truth.part[i] ? a.part[i] : b.part[i];
   return result;
+}
+
+inline std::uint32_t lowestBit(std::uint32_t bits) {
+  return static_cast<std::uint32_t>(__builtin_ctz(bits));
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "core/bounds.h"
+
+// Distances of points to the triangles of a packet.
+namespace organ_collision::core {
+namespace {
+
+/// The distance of a point, at the origin, to the segment from `start` along `edge`.
+template <class Real>
+inline Lanes<Real> squaredDistanceToSegment(const LaneVector<Real>& start,
+                                            const LaneVector<Real>& edge, const Lanes<Real>& along,
+                                            const Lanes<Real>& squared_edge) {
+  // larger() and smaller() make 0 of what is not a number: edges without length.
+  const Lanes<Real> t =
+      smaller(larger((Lanes<Real>{} - along) / squared_edge, Lanes<Real>{}), Lanes<Real>::all(1));
+  const LaneVector<Real> nearest = start + t * edge;
+  return dot(nearest, nearest);
+}
+
+/// Between which distances a tip's distances to the triangles of a packet lie, but for
+/// roundingOf().
+template <class Real>
+struct Range {
+  Lanes<Real> low, high;
+};
+
+template <class Real>
+inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Real>& point,
+                                   Real farthest) {
+  const LaneVector<Real> a = load<Real>(packet.corner) - everywhere(point);
+  const LaneVector<Real> ab = load<Real>(packet.edge1);
+  const LaneVector<Real> ac = load<Real>(packet.edge2);
+  const LaneVector<Real> bc = ac - ab;
+  const LaneVector<Real> b = a + ab;
+  const Lanes<Real> abab = dot(ab, ab);
+  const Lanes<Real> acac = dot(ac, ac);
+  const Lanes<Real> aab = dot(a, ab);
+  const Lanes<Real> aac = dot(a, ac);
+  const Lanes<Real> to_edges =
+      root(smaller(smaller(squaredDistanceToSegment(a, ab, aab, abab),
+                           squaredDistanceToSegment(a, ac, aac, acac)),
+                   squaredDistanceToSegment(b, bc, dot(b, bc), dot(bc, bc))));
+
+  // Where the point's projection lies in the face, the distance to its plane counts; where it may
+  // or may not, either. What cancels in products of edges is 8*u times their lengths.
+  const Lanes<Real> abac = dot(ab, ac);
+  const LaneVector<Real> normal = cross(ab, ac);
+  const Lanes<Real> squared_normal = dot(normal, normal);
+  const Lanes<Real> edges = abab + acac;
+  const Lanes<Real> reach = Lanes<Real>::all(farthest);
+  const Lanes<Real> doubt = Lanes<Real>::all(8 * kRoundoff<Real>) * edges;
+  const Lanes<Real> weight_doubt = doubt * (reach * reach + edges);
+  const Lanes<Real> s = abac * aac - acac * aab;  // weights of b and c, times squared_normal
+  const Lanes<Real> t = abac * aab - abab * aac;
+  const Lanes<Real> none{};
+  const Lanes<Real> least_weight = smaller(smaller(s, t), squared_normal - (s + t));
+  const Lanes<Real> height = magnitude(dot(a, normal));
+  const Lanes<Real> length = root(squared_normal);
+  const Lanes<Real> height_doubt = doubt * reach;
+  const Lanes<Real> to_plane = larger((height - height_doubt) / (length + doubt), none);
+  const Lanes<Real> perhaps_to_plane = (height + height_doubt) / (length - doubt);
+  const Truth<Real> perhaps_inside = none <= least_weight + weight_doubt;
+  const Truth<Real> surely_inside = (weight_doubt <= least_weight) & (doubt + doubt <= length);
+  return {select(perhaps_inside, smaller(to_plane, to_edges), to_edges),
+          select(surely_inside, smaller(perhaps_to_plane, to_edges), to_edges)};
+}
+
+}  // namespace
+}  // namespace organ_collision::core
