@@ -39,10 +39,13 @@ class Demo(unittest.TestCase):
             self.assertGreater(np.linalg.norm(points[-1] - points[0]), 0.0)
 
     def test_contacts_are_right_for_the_mesh_that_they_name(self):
-        self.contacts.forget()
-        answer = self.services.get_mesh()
+        for _ in range(20):  # a loaded machine may make no contacts of one version
+            self.contacts.forget()
+            answer = self.services.get_mesh()
+            array = self.contacts.find(lambda array: array.contacts[0].mesh_version == answer.mesh_version, 1.0)
+            if array is not None:
+                break
         surface = self.at_rest.of([coordinates(vertex) for vertex in answer.mesh.vertices])
-        array = self.contacts.wait_for(lambda array: array.contacts[0].mesh_version == answer.mesh_version)
         for contact in array.contacts:
             # config/instruments.urdf puts the liver 0.15 m over the table.
             tip = coordinates(contact.instrument_point) - [0, 0, 0.15]

@@ -296,9 +296,11 @@ class MeshUpdates(unittest.TestCase):
 
     def test_nothing_is_lost_of_a_burst_of_partial_updates(self):
         vertices = np.random.default_rng(6).permutation(len(self.loaded.vertices))
-        moved = self.deformed()
-        merged = self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 90)], BURST_RATE)
-        self.assertGreater(merged, 0, "else it was no burst")
+        for phase in range(10):  # an idle machine may keep up with a burst
+            moved = self.deformed(phase=phase)
+            if self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 90)], BURST_RATE) > 0:
+                return
+        self.fail("of ten bursts none was merged")
 
     def test_a_burst_of_whole_updates_leads_to_its_last_state(self):
         self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(20)], BURST_RATE)

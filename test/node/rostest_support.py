@@ -225,6 +225,13 @@ class ContactsInbox(Inbox):
     def __init__(self, node="organ_collision"):
         super().__init__(node + "/contacts", ContactArray)
 
+    def find(self, is_wanted, seconds):
+        """The first message since forget() that is wanted, or None if it does not come in time."""
+        try:
+            return self.wait_for(is_wanted, seconds)
+        except AssertionError:
+            return None
+
     def contact(self, instrument, is_wanted=lambda contact: True, seconds=PATIENCE):
         """The instrument's first contact since forget() that is wanted, in a scene with one organ."""
         array = self.wait_for(lambda array: is_wanted(contact_of(array, instrument)), seconds)
