@@ -84,6 +84,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
   }
   health_ = healthOf(*topology_, box, tally_);
   std::vector<FarthestPairTree::Leaf> leaves;
+  leaves.reserve(touched.size());
   for (const TriangleId triangle : touched) leaves.push_back(wide_tree_.leafOf(triangle));
   std::sort(leaves.begin(), leaves.end());
   tree_.refit(mesh_, leaves);
