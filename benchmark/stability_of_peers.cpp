@@ -28,6 +28,7 @@
 #include <string>
 #include <vector>
 
+#include "contenders/float_closest_point.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/triangle_distance.h"
 #include "organ_collision/core/triangle_intersection.h"
@@ -208,43 +209,8 @@ Organ organ(const TriangleMesh& mesh) {
 
 namespace with_embree {
 
-struct Vector {
-  float x, y, z;
-};
-Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vector operator*(float s, const Vector& a) { return {s * a.x, s * a.y, s * a.z}; }
-float dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-/// The point of triangle abc closest to p, by Voronoi regions, as in Embree's tutorial
-/// closest_point. Source: C. Ericson, "Real-time collision detection" (2005).
-Vector closestPoint(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
-  const Vector ab = b - a;
-  const Vector ac = c - a;
-  const float d1 = dot(ab, p - a);
-  const float d2 = dot(ac, p - a);
-  if (d1 <= 0.0F && d2 <= 0.0F) return a;
-  const float d3 = dot(ab, p - b);
-  const float d4 = dot(ac, p - b);
-  if (d3 >= 0.0F && d4 <= d3) return b;
-  const float d5 = dot(ab, p - c);
-  const float d6 = dot(ac, p - c);
-  if (d6 >= 0.0F && d5 <= d6) return c;
-  const float vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0F && d1 >= 0.0F && d3 <= 0.0F) return a + d1 / (d1 - d3) * ab;
-  const float vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0F && d2 >= 0.0F && d6 <= 0.0F) return a + d2 / (d2 - d6) * ac;
-  const float va = d3 * d6 - d5 * d4;
-  if (va <= 0.0F && d4 - d3 >= 0.0F && d5 - d6 >= 0.0F)
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  const float scale = 1.0F / (va + vb + vc);
-  return a + scale * vb * ab + scale * vc * ac;
-}
-
-Vector toFloat(const Vector3d& point) {
-  return {static_cast<float>(point.x()), static_cast<float>(point.y()),
-          static_cast<float>(point.z())};
-}
+using bench::in_float::toFloat;
+using bench::in_float::Vector;
 
 class Scene {
  public:

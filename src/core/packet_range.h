@@ -2,9 +2,26 @@
 
 #include "core/bounds.h"
 
-// Distances of points to the triangles of a packet.
+// The triangles of a packet: their boxes, and distances of points to them.
 namespace organ_collision::core {
 namespace {
+
+/// The boxes of a packet's triangles, relative to its origin.
+template <class Real>
+inline void boxTriangles(const TrianglePacket& packet, LaneVector<Real>& low,
+                         LaneVector<Real>& high) {
+  const LaneVector<Real> a = load<Real>(packet.corner);
+  const LaneVector<Real> b = a + load<Real>(packet.edge1);
+  const LaneVector<Real> c = a + load<Real>(packet.edge2);
+  const auto least = [](const auto& x, const auto& y, const auto& z) {
+    return smaller(smaller(x, y), z);
+  };
+  const auto most = [](const auto& x, const auto& y, const auto& z) {
+    return larger(larger(x, y), z);
+  };
+  low = {least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)};
+  high = {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)};
+}
 
 /// The distance of a point, at the origin, to the segment from `start` along `edge`.
 template <class Real>

@@ -1,13 +1,15 @@
 #pragma once
 
+#include "core/bounds.h"
+#include "core/candidates.h"
 #include "core/gap.h"
-#include "core/lane_vector.h"
+#include "core/packet_range.h"
 #include "core/pair_search.h"
-#include "core/search_walk.h"
+#include "core/waiting.h"
 
 // The walk through two trees at once, for whichever vector unit includes it.
 //
-// Rounding, in the terms of search_walk.h, t being how far the origins are apart and r the sum of
+// Rounding, in the terms of bounds.h, t being how far the origins are apart and r the sum of
 // both radii: what is in a box turns back from the axes of its node but for 2^-20*r, is stored to
 // 4*v*r, and moves to the other's axes by three products and sums, off by 4*u*(t + 2*r). Gaps are
 // off by 16*u*(t + 2*r) more, those of triangles as gap.h says. Together below 64*u*t + 2^-15*r.
@@ -43,13 +45,14 @@ struct alignas(64) BoxesOf {
         origin(doublesOf(packet.origin)),
         radius(packet.radius),
         count(packet.lane_count) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = Lanes<float>::load(&packet.corner[axis][0]);
-      const auto b = a + Lanes<float>::load(&packet.edge1[axis][0]);
-      const auto c = a + Lanes<float>::load(&packet.edge2[axis][0]);
-      smaller(smaller(a, b), c).store(&low[axis][0]);
-      larger(larger(a, b), c).store(&high[axis][0]);
-    }
+    LaneVector<float> lows, highs;
+    boxTriangles(packet, lows, highs);
+    lows.x.store(&low[0][0]);
+    lows.y.store(&low[1][0]);
+    lows.z.store(&low[2][0]);
+    highs.x.store(&high[0][0]);
+    highs.y.store(&high[1][0]);
+    highs.z.store(&high[2][0]);
   }
 };
 
@@ -109,12 +112,6 @@ inline Vector<Real> laneOf(const LaneVector<Real>& v, std::uint32_t lane) {
   return {v.x[lane], v.y[lane], v.z[lane]};
 }
 
-/// The set in a lane of a node.
-inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
-  return lane < node.node_count ? node.first_node + lane
-                                : kPacketBit | (node.first_packet + lane - node.node_count);
-}
-
 /// A set of one of the surfaces, ready to be compared.
 class OpenSet {
  public:
@@ -172,8 +169,6 @@ class PairWalk {
   }
 
  private:
-  static constexpr std::uint32_t kMostCandidates = 16;
-
   void look() {
     const double share = search_.best * search_.share;
     const double less = search_.best - search_.allowance;
@@ -308,9 +303,8 @@ class PairWalk {
     bool may_meet = false;
     for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
-      if (candidate_count_ == kMostCandidates) measureCandidates();
-      candidates_[candidate_count_++] = {inFloat(bound[lane]), leaf_of_first,
-                                         second.first_leaf + lane};
+      if (candidates_.isFull()) measureCandidates();
+      candidates_.add({inFloat(bound[lane]), leaf_of_first, second.first_leaf + lane});
       may_meet = may_meet || bound[lane] <= 0;
     }
     if (may_meet) measureCandidates();  // then nothing else matters
@@ -318,12 +312,8 @@ class PairWalk {
 
   /// Measures exactly what still may be nearest.
   void measureCandidates() {
-    while (candidate_count_ > 0) {
-      std::uint32_t nearest = 0;
-      for (std::uint32_t i = 1; i < candidate_count_; ++i)
-        if (candidates_[i].bound < candidates_[nearest].bound) nearest = i;
-      const PairCandidate candidate = candidates_[nearest];
-      candidates_[nearest] = candidates_[--candidate_count_];
+    while (!candidates_.isEmpty()) {
+      const PairCandidate candidate = candidates_.takeNearest();
       if (static_cast<Real>(candidate.bound) > reach_) {
         leaveOut(candidate.bound);
       } else {
@@ -342,8 +332,7 @@ class PairWalk {
   PairSearch& search_;
   Real reach_;                                                     // what is farther is left out
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of that
-  PairCandidate candidates_[kMostCandidates];
-  std::uint32_t candidate_count_ = 0;
+  Candidates<PairCandidate> candidates_;
   bool promised_ = false;  // search_.best is owed to a pair that was not measured
   PairCandidate promised_pair_ = {};
 };

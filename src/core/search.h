@@ -14,12 +14,6 @@ constexpr double kFar = 8.0;
 /// nearer comes first, then the set's number.
 using Waiting = std::uint64_t;
 
-/// Triangles that may be nearest and wait to be measured.
-struct Candidate {
-  float bound;
-  std::uint32_t leaf;
-};
-
 /// The packets that may hold what is nearest to a tip while it moves.
 struct Followed {
   static constexpr std::uint32_t kMost = 64;

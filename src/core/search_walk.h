@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bounds.h"
+#include "core/candidates.h"
 #include "core/gap.h"
 #include "core/packet_range.h"
 #include "core/search.h"
@@ -9,6 +10,12 @@
 // The walk itself, for whichever vector unit includes it.
 namespace organ_collision::core {
 namespace {
+
+/// A triangle that may be nearest.
+struct Candidate {
+  float bound;
+  std::uint32_t leaf;
+};
 
 /// Of a tip of one, two or three corners.
 template <class Real, std::uint32_t kCorners>
@@ -114,8 +121,6 @@ class Walk {
     }
   }
 
-  static constexpr std::uint32_t kMostCandidates = 16;
-
   void look() {
     const double share = search_.best * search_.share;
     const double less = search_.best - search_.allowance;
@@ -199,10 +204,7 @@ class Walk {
     const std::uint32_t used = (1U << node.lane_count) - 1;
     for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
-      const std::uint32_t packets = 0U - static_cast<std::uint32_t>(lane >= node.node_count);
-      const std::uint32_t set =
-          lane + ((node.first_node & ~packets) |
-                  ((node.first_packet - node.node_count + kPacketBit) & packets));
+      const std::uint32_t set = setIn(node, lane);
       fetch(search_, set);
       Waiting farther = waiting(inFloat(square[lane]), set);
       for (Waiting& near : nearest) {
@@ -239,23 +241,13 @@ class Walk {
   /// The triangles to look at while there are leaves left: one after the other, the nearest box
   /// first, until no box is nearer than the best. None is farther than its `high`.
   Truth<Real> chosen(const TrianglePacket& packet, const Lanes<Real>& high, Real rounding) {
-    const LaneVector<Real> a = load<Real>(packet.corner);
-    const LaneVector<Real> b = a + load<Real>(packet.edge1);
-    const LaneVector<Real> c = a + load<Real>(packet.edge2);
-    const auto least = [](const auto& x, const auto& y, const auto& z) {
-      return smaller(smaller(x, y), z);
-    };
-    const auto most = [](const auto& x, const auto& y, const auto& z) {
-      return larger(larger(x, y), z);
-    };
+    LaneVector<Real> least, most;
+    boxTriangles(packet, least, most);
     Vector<Real> tip_low, tip_high;
     tipBox(
         packet.origin, [](const Vector<Real>& v) { return v; }, tip_low, tip_high);
     Real boxes[kLaneCount];
-    (root(squaredDistanceOf<Real>(
-         {least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)},
-         {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)}, tip_low, tip_high)) -
-     Lanes<Real>::all(rounding))
+    (root(squaredDistanceOf(least, most, tip_low, tip_high)) - Lanes<Real>::all(rounding))
         .store(boxes);
     search_.bounds += packet.lane_count;
     alignas(kVectorBytes) float is_chosen[kLaneCount] = {};
@@ -305,8 +297,8 @@ class Walk {
     bool may_meet = false;
     for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t lane = lowestBit(rest);
-      if (candidate_count_ == kMostCandidates) measureCandidates();
-      candidates_[candidate_count_++] = {inFloat(bound[lane]), packet.first_leaf + lane};
+      if (candidates_.isFull()) measureCandidates();
+      candidates_.add({inFloat(bound[lane]), packet.first_leaf + lane});
       may_meet = may_meet || bound[lane] <= 0;
     }
     if (!kIsPoint && may_meet) measureCandidates();  // then hardly anything else matters
@@ -316,12 +308,8 @@ class Walk {
 
   /// Measures exactly what still may be nearest.
   void measureCandidates() {
-    while (candidate_count_ > 0) {
-      std::uint32_t nearest = 0;
-      for (std::uint32_t i = 1; i < candidate_count_; ++i)
-        if (candidates_[i].bound < candidates_[nearest].bound) nearest = i;
-      const Candidate candidate = candidates_[nearest];
-      candidates_[nearest] = candidates_[--candidate_count_];
+    while (!candidates_.isEmpty()) {
+      const Candidate candidate = candidates_.takeNearest();
       if (static_cast<Real>(candidate.bound) > reach_) {
         leaveOut(candidate.bound);
       } else {
@@ -345,8 +333,7 @@ class Walk {
   Lanes<Real> boxes_left_out_ =
       Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of them, squared
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest triangle of them
-  Candidate candidates_[kMostCandidates];
-  std::uint32_t candidate_count_ = 0;
+  Candidates<Candidate> candidates_;
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;
 };

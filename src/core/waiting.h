@@ -22,6 +22,13 @@ inline float squareOf(Waiting waiting) {
 }
 inline std::uint32_t setOf(Waiting waiting) { return static_cast<std::uint32_t>(waiting); }
 
+/// The set in a lane of a node, without a branch on whether it is a packet.
+inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
+  const std::uint32_t is_packet = 0U - static_cast<std::uint32_t>(lane >= node.node_count);
+  return lane + ((node.first_node & ~is_packet) |
+                 ((node.first_packet - node.node_count + kPacketBit) & is_packet));
+}
+
 /// Brings a set closer that will be needed.
 inline void fetch(const Search& search, std::uint32_t set) {
   const bool is_packet = (set & kPacketBit) != 0;

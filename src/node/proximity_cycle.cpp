@@ -59,29 +59,31 @@ bool ProximityCycle::lookUp() {
   return news;
 }
 
-core::Box ProximityCycle::boxOfFirst(const Tracked& tracked) const {
-  const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
-  if (tracked.pair.of == io::LikePair::Of::kInstruments)
-    return core::boxOf(instruments_[tracked.pair.first].shapes, pose);
-  return core::boxOf(core::transformed(shapeOf(*organs_[tracked.pair.first]), pose));
-}
-
-core::Box ProximityCycle::boxOfSecond(const Tracked& tracked) const {
-  if (tracked.pair.of == io::LikePair::Of::kInstruments)
-    return core::boxOf(instruments_[tracked.pair.second].shapes, Eigen::Isometry3d::Identity());
-  return organs_[tracked.pair.second]->snapshot()->organ.health().box;
-}
-
-core::Proximity ProximityCycle::measure(const Tracked& tracked,
-                                        const core::Accuracy& accuracy) const {
+Proximity ProximityCycle::measure(const Tracked& tracked, const core::Accuracy& accuracy) const {
   const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
   const auto& [of, first, second] = tracked.pair;
   if (of == io::LikePair::Of::kInstruments) {
-    return convex::toolProximity(instruments_[first].shapes, pose, instruments_[second].shapes,
-                                 accuracy);
+    const core::Shapes& shapes = instruments_[first].shapes;
+    const core::Shapes& others = instruments_[second].shapes;
+    return unlessFar(tracked, core::boxOf(shapes, pose),
+                     core::boxOf(others, Eigen::Isometry3d::Identity()),
+                     [&] { return convex::toolProximity(shapes, pose, others, accuracy); });
   }
-  return core::proximity(core::transformed(shapeOf(*organs_[first]), pose),
-                         shapeOf(*organs_[second]), accuracy);
+  // Each taken once: the versions that are measured are those whose boxes are compared.
+  const core::Shape organ = core::transformed(shapeOf(*organs_[first]), pose);
+  const core::Shape other = shapeOf(*organs_[second]);
+  return unlessFar(tracked, core::boxOf(organ), core::boxOf(other),
+                   [&] { return core::proximity(organ, other, accuracy); });
+}
+
+template <class Measure>
+Proximity ProximityCycle::unlessFar(const Tracked& tracked, const core::Box& first,
+                                    const core::Box& second, const Measure& measure) const {
+  const double apart = std::sqrt(squaredDistance(first, second));
+  if (apart > scene_.max_distance) return unknown(apart);
+  const core::Proximity found = measure();
+  if (found.lower_bound > scene_.max_distance) return unknown(found.lower_bound);
+  return toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
 }
 
 Proximity ProximityCycle::proximityOf(const Tracked& tracked, const ros::Time& now,
@@ -90,14 +92,7 @@ Proximity ProximityCycle::proximityOf(const Tracked& tracked, const ros::Time& n
   message.status = Contact::NO_POSE;
   if (tracked.pose.isKnown()) {
     const bool is_late = !tracked.pose.complaint(now, scene_.stale_after).empty();
-    const double apart = std::sqrt(squaredDistance(boxOfFirst(tracked), boxOfSecond(tracked)));
-    message = unknown(apart);
-    if (apart <= scene_.max_distance) {
-      const core::Proximity found = measure(tracked, accuracy);
-      message = found.lower_bound > scene_.max_distance
-                    ? unknown(found.lower_bound)
-                    : toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
-    }
+    message = measure(tracked, accuracy);
     const bool is_far = message.lower_bound > scene_.max_distance;
     message.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
     message.stamp = tracked.pose.stamp();

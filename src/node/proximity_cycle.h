@@ -43,9 +43,11 @@ class ProximityCycle {
   const std::string& nameOf(io::LikePair::Of of, std::size_t i) const;
   Proximity proximityOf(const Tracked& tracked, const ros::Time& now,
                         const core::Accuracy& accuracy) const;
-  core::Box boxOfFirst(const Tracked& tracked) const;
-  core::Box boxOfSecond(const Tracked& tracked) const;
-  core::Proximity measure(const Tracked& tracked, const core::Accuracy& accuracy) const;
+  Proximity measure(const Tracked& tracked, const core::Accuracy& accuracy) const;
+  /// What `measure` finds, unless the boxes or that are farther apart than the scene looks.
+  template <class Measure>
+  Proximity unlessFar(const Tracked& tracked, const core::Box& first, const core::Box& second,
+                      const Measure& measure) const;
 
   const io::Scene& scene_;
   const Instruments& instruments_;

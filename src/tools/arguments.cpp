@@ -34,6 +34,10 @@ Arguments::Arguments(const std::vector<std::string>& words, const std::vector<st
   }
 }
 
+void Arguments::requireNoWords() const {
+  if (!words_.empty()) throw UsageError(words_.front() + ": no such argument is wanted");
+}
+
 std::optional<std::string> Arguments::option(const std::string& name) const {
   const auto found = options_.find(name);
   if (found == options_.end()) return std::nullopt;

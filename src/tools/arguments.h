@@ -22,6 +22,8 @@ class Arguments {
   Arguments(const std::vector<std::string>& words, const std::vector<std::string>& known);
 
   const std::vector<std::string>& words() const { return words_; }
+  /// Throws UsageError if there are any.
+  void requireNoWords() const;
   std::optional<std::string> option(const std::string& name) const;
 
   /// The option's number, or `otherwise`. Throws UsageError unless it is finite and above 0.

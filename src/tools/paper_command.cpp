@@ -37,9 +37,7 @@ struct Options {
 /// Throws UsageError.
 Options optionsFrom(const std::vector<std::string>& words) {
   const Arguments arguments(words, {"--output", "--seed", "--steps"});
-  if (!arguments.words().empty()) {
-    throw UsageError(arguments.words().front() + ": no such argument is wanted");
-  }
+  arguments.requireNoWords();
   Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
                   arguments.whole("--steps", 10'000)};
   if (options.steps < 1 || options.steps > kMostSteps) {

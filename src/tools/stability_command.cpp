@@ -36,9 +36,7 @@ struct Options {
 /// Throws UsageError.
 Options optionsFrom(const std::vector<std::string>& words) {
   const Arguments arguments(words, {"--output", "--seed", "--samples"});
-  if (!arguments.words().empty()) {
-    throw UsageError(arguments.words().front() + ": no such argument is wanted");
-  }
+  arguments.requireNoWords();
   Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
                   arguments.whole("--samples", 100'000)};
   if (options.samples < kFewestSamples) {

@@ -45,6 +45,7 @@ class Demo(unittest.TestCase):
             array = self.contacts.find(lambda array: array.contacts[0].mesh_version == answer.mesh_version, 1.0)
             if array is not None:
                 break
+        self.assertIsNotNone(array, "no contacts of any of twenty versions")
         surface = self.at_rest.of([coordinates(vertex) for vertex in answer.mesh.vertices])
         for contact in array.contacts:
             # config/instruments.urdf puts the liver 0.15 m over the table.

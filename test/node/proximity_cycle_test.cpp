@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "node/frames.h"
 #include "node/moves.h"
 #include "test_meshes.h"
 
@@ -20,15 +21,7 @@ class ProximityCycleTest : public testing::Test {
 
   void place(const std::string& parent, const std::string& child, const Eigen::Vector3d& at,
              const ros::Time& stamp, bool is_static = false) {
-    geometry_msgs::TransformStamped transform;
-    transform.header.frame_id = parent;
-    transform.header.stamp = stamp;
-    transform.child_frame_id = child;
-    transform.transform.translation.x = at.x();
-    transform.transform.translation.y = at.y();
-    transform.transform.translation.z = at.z();
-    transform.transform.rotation.w = 1.0;
-    ASSERT_TRUE(buffer_.setTransform(transform, "test", is_static));
+    ASSERT_TRUE(test::place(buffer_, parent, child, at, stamp, is_static));
   }
 
   ProximityArray proximities(const ros::Time& now) {

@@ -9,23 +9,14 @@
 #include <sstream>
 
 #include "io/temporary_folder.h"
+#include "tools/outcome.h"
 
 namespace organ_collision::tools {
 namespace {
 
 using testing::HasSubstr;
 
-struct Outcome {
-  int exit_code;
-  std::string out, errors;
-};
-
-Outcome run(const std::vector<std::string>& words) {
-  std::ostringstream out;
-  std::ostringstream errors;
-  const int exit_code = measureStability(words, out, errors);
-  return {exit_code, out.str(), errors.str()};
-}
+Outcome run(const std::vector<std::string>& words) { return outcomeOf(measureStability, words); }
 
 class MeasureStabilityCommand : public testing::Test {
  protected:

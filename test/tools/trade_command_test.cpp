@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "io/temporary_folder.h"
+#include "tools/outcome.h"
 #include "tools/trade.h"
 
 namespace organ_collision::tools {
@@ -17,17 +18,7 @@ using testing::HasSubstr;
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
-struct Outcome {
-  int exit_code;
-  std::string out, errors;
-};
-
-Outcome run(const std::vector<std::string>& words) {
-  std::ostringstream out;
-  std::ostringstream errors;
-  const int exit_code = measureTrade(words, out, errors);
-  return {exit_code, out.str(), errors.str()};
-}
+Outcome run(const std::vector<std::string>& words) { return outcomeOf(measureTrade, words); }
 
 /// The rows of a CSV file without quotes.
 std::vector<std::vector<std::string>> rowsOf(const std::filesystem::path& file) {
