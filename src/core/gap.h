@@ -46,6 +46,18 @@ inline Lanes<Real> distanceOfGap(const Lanes<Real>& gap, const Lanes<Real>& squa
                 larger(gap, none) / root(squared_length), none);
 }
 
+/// How far a segment is from the lanes' boxes along a direction, times its length: the boxes are
+/// where the direction comes from.
+template <class Real>
+inline Lanes<Real> gapAlong(const LaneVector<Real>& direction, const LaneVector<Real>& start,
+                            const LaneVector<Real>& step, const LaneVector<Real>& middle,
+                            const LaneVector<Real>& half) {
+  const Lanes<Real> nearer_end = smaller(dot(direction, step), Lanes<Real>{});
+  const LaneVector<Real> steepness = {magnitude(direction.x), magnitude(direction.y),
+                                      magnitude(direction.z)};
+  return dot(direction, start - middle) + nearer_end - dot(steepness, half);
+}
+
 /// A lower bound of the distances between a segment and the lanes' boxes.
 template <class Real>
 inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end,
@@ -55,7 +67,10 @@ inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end
   const Lanes<Real> inverse = Lanes<Real>::all(1 / dot(along, along));
   const LaneVector<Real> from = everywhere(start);
   const LaneVector<Real> step = everywhere(along);
-  LaneVector<Real> in_box = Lanes<Real>::all(Real{0.5}) * (low + high);
+  const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
+  const LaneVector<Real> middle = half * (low + high);
+  const LaneVector<Real> size = half * (high - low);
+  LaneVector<Real> in_box = middle;
   LaneVector<Real> direction;
   for (int round = 0; round < kRounds; ++round) {
     const LaneVector<Real> on_segment =
@@ -63,10 +78,11 @@ inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end
     in_box = clamped(on_segment, low, high);
     direction = on_segment - in_box;
   }
-  // Of the box, `in_box` is the farthest that way.
-  const Lanes<Real> gap =
-      smaller(dot(direction, from - in_box), dot(direction, everywhere(end) - in_box));
-  return distanceOfGap(gap, dot(direction, direction));
+  // Where the nearest point is inside the segment, the nearest way is square to it.
+  const LaneVector<Real> square = direction - dot(direction, step) * inverse * step;
+  return larger(
+      distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction)),
+      distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square)));
 }
 
 /// The shortest vector found so far from the tip to each triangle.

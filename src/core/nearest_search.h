@@ -98,14 +98,14 @@ class NearestSearch : protected Search {
 
  protected:
   void measure(FarthestPairTree::Leaf leaf) {
+    if (squared_best_ == 0.0 && leaf > best_leaf) return;
     const ClosestPair candidate =
         tip_.measure(organ_.mesh().triangle(organ_.tree().triangle(leaf)));
     const double squared_distance = candidate.on_second.squared_distance;
-    if (squared_distance > squared_best_ ||
-        (squared_distance == squared_best_ && leaf > best_leaf_))
+    if (squared_distance > squared_best_ || (squared_distance == squared_best_ && leaf > best_leaf))
       return;
     pair_ = candidate;
-    best_leaf_ = leaf;
+    best_leaf = leaf;
     squared_best_ = squared_distance;
     best = std::min(best, std::sqrt(squared_distance) * scale_);
   }
@@ -125,7 +125,7 @@ class NearestSearch : protected Search {
   NearestTriangle answer() const {
     const double distance = std::sqrt(squared_best_);
     const double to_box = std::sqrt(tip_.squaredDistanceTo(organ_.health().box));
-    return {organ_.tree().triangle(best_leaf_),
+    return {organ_.tree().triangle(best_leaf),
             pair_.on_second,
             pair_.point_on_first,
             Eigen::Vector3d::Zero(),
@@ -142,7 +142,6 @@ class NearestSearch : protected Search {
   const double scale_;
   bool beyond_ = false;
   ClosestPair pair_ = {};
-  FarthestPairTree::Leaf best_leaf_ = 0;
   double squared_best_ = std::numeric_limits<double>::infinity();
 };
 

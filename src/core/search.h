@@ -37,7 +37,8 @@ struct Search {
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
   void (*measure)(Search& search, std::uint32_t leaf);
-  double best;  ///< the nearest triangle is not farther
+  double best;              ///< the nearest triangle is not farther
+  std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
 
   double slack;        ///< followed is what is farther than the best by this, too
   Followed* followed;  ///< where to put the packets looked at, or null

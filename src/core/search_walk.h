@@ -47,7 +47,7 @@ class Walk {
         leaveOutBox(squareOf(next));
       } else if ((setOf(next) & kPacketBit) != 0) {
         const std::uint32_t packet = setOf(next) & ~kPacketBit;
-        note(packet, scan(search_.packets[packet]));
+        note(packet, isTooLate(search_.packets[packet]) ? 0 : scan(search_.packets[packet]));
       } else {
         top = open(search_.nodes[setOf(next)], top);
       }
@@ -74,7 +74,8 @@ class Walk {
       for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_)).bits(); rest != 0;
            rest &= rest - 1) {
         const std::uint32_t one = i + lowestBit(rest);
-        if (one == 0 || one >= followed.count) continue;
+        if (one == 0 || one >= followed.count || isTooLate(search_.packets[followed.packets[one]]))
+          continue;
         scanFollowed(one);
         if (followed.bounds[one] < followed.bounds[nearest]) nearest = one;
       }
@@ -102,6 +103,11 @@ class Walk {
     const bool is_exact =
         search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
     if (is_exact || search_.unopened >= search_.best) search_.unopened = kInfinity;
+  }
+
+  /// Of triangles that touch the tip the first is named.
+  bool isTooLate(const TrianglePacket& packet) const {
+    return search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
   }
 
   void scanFollowed(std::uint32_t i) {

@@ -66,12 +66,14 @@ void consider(const ClosestPair& pair, ClosestPair& best) {
   if (pair.on_second.squared_distance < best.on_second.squared_distance) best = pair;
 }
 
+/// As capsules ask: all edges are one.
+bool isSegment(const Triangle& t) { return t.b == t.c; }
+
 /// The least of 6 vertex-face and 9 edge-edge distances, each once if the first is a segment.
 ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
-  const bool is_segment = first.b == first.c;
   ClosestPair best{first.a, closestPointOnTriangle(first.a, second)};
   consider({first.b, closestPointOnTriangle(first.b, second)}, best);
-  if (!is_segment) consider({first.c, closestPointOnTriangle(first.c, second)}, best);
+  if (!isSegment(first)) consider({first.c, closestPointOnTriangle(first.c, second)}, best);
   const std::array<Vector3d, 3> corners = cornersOf(second);
   for (int i = 0; i < 3; ++i)
     consider(fromCorner(corners[i], i, closestPointOnTriangle(corners[i], first)), best);
@@ -84,7 +86,7 @@ ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
       const std::optional<ClosestPair> pair = insideEdges(edge_of_first, edge_of_second, offsets);
       if (pair) consider(*pair, best);
     }
-    if (is_segment) break;
+    if (isSegment(first)) break;
   }
   return best;
 }
@@ -106,7 +108,10 @@ void considerCrossings(const Triangle& first, const Triangle& second, ClosestPai
     const Vector3d on_first = closestPointOnTriangle(*point, first).point;
     consider({on_first, closestPointOnTriangle(on_first, second)}, best);
   };
-  for (const Edge& edge : edgesOf(first)) consider_near(crossing(edge, second));
+  for (const Edge& edge : edgesOf(first)) {
+    consider_near(crossing(edge, second));
+    if (isSegment(first)) return;
+  }
   for (const Edge& edge : edgesOf(second)) consider_near(crossing(edge, first));
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
@@ -90,12 +91,27 @@ bool boundaryMeets(const Triangle& other, const Signs& sides, const Triangle& t)
   return false;
 }
 
+/// Whether a segment pq with one end on each side of the plane of `t`, or one in it, meets it:
+/// otherwise nothing is said. A sign tells the side of an end.
+std::optional<bool> segmentMeets(const Vector3d& p, int side_of_p, const Vector3d& q, int side_of_q,
+                                 const Triangle& t) {
+  if (side_of_p * side_of_q < 0) return pierces(p, q, t);
+  if (side_of_p == 0 && side_of_q != 0) return contains(t, p);
+  if (side_of_q == 0 && side_of_p != 0) return contains(t, q);
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool trianglesIntersect(const Triangle& first, const Triangle& second) {
   if (!boxesMeet(boxOf(first), boxOf(second))) return false;
   const Signs sides_of_first = sidesOf(first, second);
   if (allPositive(sides_of_first) || allNegative(sides_of_first)) return false;
+  if (first.b == first.c) {  // a segment, a shaft's say: its own plane tells nothing
+    const std::optional<bool> meets =
+        segmentMeets(first.a, sides_of_first[0], first.b, sides_of_first[1], second);
+    if (meets) return *meets;
+  }
   const Signs sides_of_second = sidesOf(second, first);
   if (allPositive(sides_of_second) || allNegative(sides_of_second)) return false;
   return boundaryMeets(first, sides_of_first, second) ||

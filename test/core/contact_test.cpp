@@ -11,6 +11,7 @@
 
 #include "brute_force.h"
 #include "organ_collision/core/sign.h"
+#include "organ_collision/core/triangle_distance.h"
 #include "organs_and_tips.h"
 #include "test_meshes.h"
 
@@ -289,6 +290,36 @@ TEST(Contact, OfRoundShapesEqualsBruteForceBitForBit) {
       ASSERT_TRUE(found.colliding_certain);
     }
   }
+}
+
+TEST(Contact, OfAnAxisThatMeetsSeveralTrianglesNamesTheFirstInTheHierarchysOrder) {
+  std::mt19937 generator(83);
+  std::size_t meeting = 0;
+  for (const CollisionMesh& organ : test::organs()) {
+    for (std::size_t i = 0; i < test::queryCount(60); ++i) {
+      const auto through = [&] {
+        return centroid(
+            organ.mesh().triangle(TriangleId(generator() % organ.mesh().triangleCount())));
+      };
+      const Vector3d a = through();
+      const Vector3d b = generator() % 2 == 0 ? test::randomTip(generator, organ) : through();
+      const Vector3d beyond = generator() % 4 == 0 ? b : Vector3d(b + (b - a));
+      const Triangle axis = {a, beyond, beyond};
+      double least = std::numeric_limits<double>::infinity();
+      TriangleId expected{0};
+      for (std::size_t leaf = 0; leaf < organ.mesh().triangleCount(); ++leaf) {
+        const TriangleId triangle = organ.tree().triangle(FarthestPairTree::Leaf(leaf));
+        const double squared =
+            closestPoints(axis, organ.mesh().triangle(triangle)).on_second.squared_distance;
+        if (squared >= least) continue;
+        least = squared;
+        expected = triangle;
+      }
+      ASSERT_EQ(contact(organ, Capsule{a, beyond, 0.5}).nearest.triangle, expected);
+      meeting += least == 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(meeting, test::queryCount(60));
 }
 
 /// From grazing to where squares of distances underflow in single precision.
