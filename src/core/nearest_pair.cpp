@@ -163,6 +163,8 @@ class PairNearest : private PairSearch {
     best_leaves_ = leaves;
     squared_best_ = squared_distance;
     best = std::min(best, std::sqrt(squared_distance) * second_.wideTree().frame().scale);
+    const Vector3d along = candidate.on_second.offset.stableNormalized();
+    way = {along.x(), along.y(), along.z()};
   }
 
   NearestPair answer() const {

@@ -38,7 +38,8 @@ struct PairSearch {
 
   /// Measures two triangles exactly, and lowers `best` if they are the nearest so far.
   void (*measure)(PairSearch& search, std::uint32_t leaf_of_first, std::uint32_t leaf_of_second);
-  double best;  ///< the nearest two are not farther apart
+  double best;                ///< the nearest two are not farther apart
+  std::array<double, 3> way;  ///< between the nearest two measured: other pairs lie so, too
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
   std::uint32_t bounds, triangles;  ///< pairs of boxes and of triangles looked at

@@ -3,7 +3,6 @@
 #include "core/bounds.h"
 #include "core/candidates.h"
 #include "core/gap.h"
-#include "core/packet_range.h"
 #include "core/pair_search.h"
 #include "core/waiting.h"
 
@@ -24,65 +23,61 @@ inline Vector<double> doublesOf(const std::array<float, 3>& v) {
   return {double{v[0]}, double{v[1]}, double{v[2]}};
 }
 
-/// Eight boxes of a node; or those of a packet's triangles, along the axes of the unit frame.
-struct alignas(64) BoxesOf {
-  LanePoints low, high;
-  std::array<Vector<double>, 3> axes;
-  Vector<double> origin;
-  float radius;
-  std::uint32_t count;
-
-  explicit BoxesOf(const WideNode& node)
-      : low(node.low),
-        high(node.high),
-        axes{doublesOf(node.axes[0]), doublesOf(node.axes[1]), doublesOf(node.axes[2])},
-        origin(doublesOf(node.origin)),
-        radius(node.radius),
-        count(node.lane_count) {}
-
-  explicit BoxesOf(const TrianglePacket& packet)
-      : axes{Vector<double>{1, 0, 0}, Vector<double>{0, 1, 0}, Vector<double>{0, 0, 1}},
-        origin(doublesOf(packet.origin)),
-        radius(packet.radius),
-        count(packet.lane_count) {
-    LaneVector<float> lows, highs;
-    boxTriangles(packet, lows, highs);
-    lows.x.store(&low[0][0]);
-    lows.y.store(&low[1][0]);
-    lows.z.store(&low[2][0]);
-    highs.x.store(&high[0][0]);
-    highs.y.store(&high[1][0]);
-    highs.z.store(&high[2][0]);
-  }
+/// Some of the boxes of a node: all, or that of one packet.
+struct Boxes {
+  const WideNode& node;
+  std::uint32_t begin, end;  ///< lanes
 };
 
-/// From one set's axes and origin to another's.
+template <class Real>
+inline Vector<Real> laneOf(const LaneVector<Real>& v, std::uint32_t lane) {
+  return {v.x[lane], v.y[lane], v.z[lane]};
+}
+
+template <class Real>
+struct LaneBoxes {
+  LaneVector<Real> low, high;
+
+  Lanes<Real> squaredDistanceTo(const LaneBoxes& others, std::uint32_t lane) const {
+    return squaredDistanceOf(low, high, laneOf(others.low, lane), laneOf(others.high, lane));
+  }
+};
+template <class Real>
+inline LaneBoxes<Real> boxesOf(const WideNode& node) {
+  return {load<Real>(node.low), load<Real>(node.high)};
+}
+
+/// From one node's axes and origin to another's.
 template <class Real>
 struct Placement {
   std::array<Vector<Real>, 3> rows;
   Vector<Real> offset;
 
-  Placement(const BoxesOf& from, const AffineMap& map, const BoxesOf& to) {
+  Placement(const WideNode& from, const AffineMap& map, const WideNode& to) {
+    const Vector<double> axes[3] = {doublesOf(from.axes[0]), doublesOf(from.axes[1]),
+                                    doublesOf(from.axes[2])};
+    const Vector<double> origin = doublesOf(from.origin);
     // Axes are a trifle shorter than 1.
-    const double inverse = 1.0 / dot(from.axes[0], from.axes[0]);
+    const double inverse = 1.0 / dot(axes[0], axes[0]);
     Vector<double> columns[3];  // of the map, along the axes of `from`
     double moved[3];
     for (int row = 0; row < 3; ++row) {
       const Vector<double> linear = {map.linear[row][0], map.linear[row][1], map.linear[row][2]};
-      columns[row] = inverse * Vector<double>{dot(linear, from.axes[0]), dot(linear, from.axes[1]),
-                                              dot(linear, from.axes[2])};
-      moved[row] = dot(linear, from.origin) + map.offset[row];
+      columns[row] = inverse * Vector<double>{dot(linear, axes[0]), dot(linear, axes[1]),
+                                              dot(linear, axes[2])};
+      moved[row] = dot(linear, origin) + map.offset[row];
     }
-    const Vector<double> between = Vector<double>{moved[0], moved[1], moved[2]} - to.origin;
+    const Vector<double> between =
+        Vector<double>{moved[0], moved[1], moved[2]} - doublesOf(to.origin);
     for (int row = 0; row < 3; ++row) {
-      const Vector<double>& axis = to.axes[row];
+      const Vector<double> axis = doublesOf(to.axes[row]);
       const Vector<double> turned = axis.x * columns[0] + axis.y * columns[1] + axis.z * columns[2];
       rows[row] = {static_cast<Real>(turned.x), static_cast<Real>(turned.y),
                    static_cast<Real>(turned.z)};
     }
-    offset = {static_cast<Real>(dot(to.axes[0], between)),
-              static_cast<Real>(dot(to.axes[1], between)),
-              static_cast<Real>(dot(to.axes[2], between))};
+    offset = {static_cast<Real>(dot(doublesOf(to.axes[0]), between)),
+              static_cast<Real>(dot(doublesOf(to.axes[1]), between)),
+              static_cast<Real>(dot(doublesOf(to.axes[2]), between))};
   }
 
   LaneVector<Real> turned(const LaneVector<Real>& v) const {
@@ -92,48 +87,122 @@ struct Placement {
     return everywhere(offset) + turned(v);
   }
   /// Boxes around the moved boxes.
-  void operator()(LaneVector<Real>& low, LaneVector<Real>& high) const {
+  LaneBoxes<Real> operator()(const LaneBoxes<Real>& boxes) const {
     const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
-    const LaneVector<Real> middle = (*this)(half * (low + high));
-    const LaneVector<Real> size = half * (high - low);
+    const LaneVector<Real> middle = (*this)(half * (boxes.low + boxes.high));
+    const LaneVector<Real> size = half * (boxes.high - boxes.low);
     const auto reach = [&size](const Vector<Real>& row) {
       return dot(
           everywhere(Vector<Real>{magnitudeOf(row.x), magnitudeOf(row.y), magnitudeOf(row.z)}),
           size);
     };
     const LaneVector<Real> reaches = {reach(rows[0]), reach(rows[1]), reach(rows[2])};
-    low = middle - reaches;
-    high = middle + reaches;
+    return {middle - reaches, middle + reaches};
   }
 };
 
-template <class Real>
-inline Vector<Real> laneOf(const LaneVector<Real>& v, std::uint32_t lane) {
-  return {v.x[lane], v.y[lane], v.z[lane]};
-}
-
-/// A set of one of the surfaces, ready to be compared.
+/// A node or a packet of one of the surfaces.
 class OpenSet {
  public:
   OpenSet(const SearchedTree& tree, std::uint32_t number)
-      : number_(number),
-        node_((number & kPacketBit) == 0 ? tree.nodes + number : nullptr),
-        packet_(node_ == nullptr ? tree.packets + (number & ~kPacketBit) : nullptr),
-        boxes_(node_ != nullptr ? BoxesOf(*node_) : BoxesOf(*packet_)) {}
+      : tree_(tree), number_(number), is_packet_((number & kPacketBit) != 0) {}
 
-  const BoxesOf& boxes() const { return boxes_; }
-  const TrianglePacket* packet() const { return packet_; }  ///< null: a node
-  /// A packet stays whole.
-  std::uint32_t childCount() const { return node_ != nullptr ? node_->lane_count : 1; }
-  std::uint32_t child(std::uint32_t i) const {
-    return node_ != nullptr ? setIn(*node_, i) : number_;
+  bool isPacket() const { return is_packet_; }
+  const TrianglePacket& packet() const { return tree_.packets[number_ & ~kPacketBit]; }
+  const WideNode& node() const { return tree_.nodes[number_]; }
+  std::uint32_t number() const { return number_; }
+  float radius() const { return is_packet_ ? packet().radius : node().radius; }
+
+  /// A packet's is the one around it in its parent.
+  Boxes boxes() const {
+    if (!is_packet_) return {node(), 0, node().lane_count};
+    const WideNode& parent = tree_.nodes[packet().parent];
+    const std::uint32_t lane = parent.node_count + (number_ & ~kPacketBit) - parent.first_packet;
+    return {parent, lane, lane + 1};
+  }
+  /// What is in a lane of its boxes: a packet stays whole.
+  std::uint32_t child(std::uint32_t lane) const {
+    return is_packet_ ? number_ : setIn(node(), lane);
   }
 
  private:
+  const SearchedTree& tree_;
   std::uint32_t number_;
-  const WideNode* node_;
-  const TrianglePacket* packet_;
-  BoxesOf boxes_;
+  bool is_packet_;
+};
+
+template <class Real>
+inline Real meanOf(const Lanes<Real>& lanes) {
+  Real values[kLanes];
+  lanes.store(values);
+  for (int half = kLanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) values[i] += values[i + half];
+  return values[0] / kLanes;
+}
+
+/// Eight triangles.
+template <class Real>
+struct LaneTriangles {
+  LaneVector<Real> a, ab, ac;
+
+  Vector<Real> middle() const {
+    const LaneVector<Real> middles = a + Lanes<Real>::all(Real{1} / 3) * (ab + ac);
+    return {meanOf(middles.x), meanOf(middles.y), meanOf(middles.z)};
+  }
+  /// About; on the side of `direction`.
+  Vector<Real> normalTowards(const Vector<Real>& direction) const {
+    const LaneVector<Real> normals = cross(ab, ac);
+    const Vector<Real> normal = {meanOf(normals.x), meanOf(normals.y), meanOf(normals.z)};
+    return dot(normal, direction) < 0 ? Vector<Real>{} - normal : normal;
+  }
+  /// How far each reaches along a direction, and how near.
+  Lanes<Real> farthestAlong(const LaneVector<Real>& direction) const {
+    return dot(direction, a) +
+           larger(larger(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
+  }
+  Lanes<Real> nearestAlong(const LaneVector<Real>& direction) const {
+    return dot(direction, a) +
+           smaller(smaller(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
+  }
+};
+template <class Real>
+inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
+  return {load<Real>(packet.corner), load<Real>(packet.edge1), load<Real>(packet.edge2)};
+}
+
+/// How far each of `ours` is kept from all of `theirs`, along a direction.
+template <class Real>
+inline Lanes<Real> gapsAlong(const Vector<Real>& way, const LaneTriangles<Real>& ours,
+                             const LaneTriangles<Real>& theirs) {
+  const LaneVector<Real> direction = everywhere(way);
+  return distanceOfGap(
+      Lanes<Real>::all(leastOf(theirs.nearestAlong(direction))) - ours.farthestAlong(direction),
+      Lanes<Real>::all(dot(way, way)));
+}
+
+/// Eight triangles, each along its own normal: there flat ones are as thick as rounding makes them.
+template <class Real>
+class LaneFaces {
+ public:
+  explicit LaneFaces(const LaneTriangles<Real>& triangles)
+      : normal_(cross(triangles.ab, triangles.ac)),
+        squared_normal_(dot(normal_, normal_)),
+        nearest_(triangles.nearestAlong(normal_)),
+        farthest_(triangles.farthestAlong(normal_)) {}
+
+  /// How far each is kept from a triangle, on either side.
+  Lanes<Real> gapsTo(const Vector<Real> (&tip)[3]) const {
+    const Lanes<Real> a = dot(normal_, everywhere(tip[0]));
+    const Lanes<Real> b = dot(normal_, everywhere(tip[1]));
+    const Lanes<Real> c = dot(normal_, everywhere(tip[2]));
+    const Lanes<Real> before = nearest_ - larger(larger(a, b), c);
+    const Lanes<Real> behind = smaller(smaller(a, b), c) - farthest_;
+    return distanceOfGap(larger(before, behind), squared_normal_);
+  }
+
+ private:
+  LaneVector<Real> normal_;
+  Lanes<Real> squared_normal_, nearest_, farthest_;
 };
 
 /// Triangles that may be the nearest two and wait to be measured.
@@ -183,41 +252,69 @@ class PairWalk {
     left_out_ = smaller(left_out_, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }
 
-  /// What every bound gives away; see above.
-  Real roundingOf(const BoxesOf& first, const BoxesOf& second,
-                  const Placement<Real>& placement) const {
-    const double radii = search_.largest_scale * double{first.radius} + double{second.radius};
-    return 64 * kRoundoff<Real> * reachOf(placement.offset) +
-           static_cast<Real>(0x1p-15 * radii + search_.rounding) + Real{kTiny};
+  /// What every bound gives away where sets of these radii are so far apart; see above.
+  Real roundingOf(float radius_of_first, float radius_of_second, Real apart) const {
+    const double radii = search_.largest_scale * double{radius_of_first} + double{radius_of_second};
+    return 64 * kRoundoff<Real> * apart + static_cast<Real>(0x1p-15 * radii + search_.rounding) +
+           Real{kTiny};
   }
+
+  /// A set that is compared with another: with all its children or, the much smaller one, whole.
+  struct Side {
+    const OpenSet& set;
+    bool is_split;
+
+    std::uint32_t child(std::uint32_t lane) const {
+      return is_split ? set.child(lane) : set.number();
+    }
+  };
 
   /// Puts the pairs of children that matter on the stack, the nearest on top.
   WaitingPair* open(const WaitingPair& pair, WaitingPair* top) {
     const OpenSet first(search_.first, pair.first);
     const OpenSet second(search_.second, pair.second);
-    const Placement<Real> placement(first.boxes(), search_.second_from_first, second.boxes());
-    const Real rounding = roundingOf(first.boxes(), second.boxes(), placement);
-    Lanes<Real> bounds[kLaneCount];  // of each set of the first to those of the second
-    findBounds(first.boxes(), second.boxes(), placement, rounding, bounds);
-    if (first.packet() != nullptr && second.packet() != nullptr) {
-      scan(*first.packet(), *second.packet(), placement, rounding, bounds);
+    if (first.isPacket() && second.isPacket()) {
+      scan(first.packet(), second.packet());
       return top;
     }
-    if (first.packet() != nullptr)
-      for (std::uint32_t i = 1; i < first.boxes().count; ++i)
-        bounds[0] = smaller(bounds[0], bounds[i]);
+    constexpr double kMuchSmaller = 0.125;
+    const double size_of_first = search_.largest_scale * double{first.radius()};
+    const double size_of_second = double{second.radius()};
+    const Side ours = {first, !first.isPacket() && (second.isPacket() ||
+                                                    size_of_first > kMuchSmaller * size_of_second)};
+    const Side theirs = {
+        second,
+        !second.isPacket() && (first.isPacket() || size_of_second > kMuchSmaller * size_of_first)};
+    Lanes<Real> bounds[kLaneCount];
+    const bool by_first = !second.isPacket();  // of a packet there is one row
+    findBounds(first.boxes(), second.boxes(), by_first, bounds);
+    return by_first ? put<true>(ours, theirs, bounds, top) : put<false>(theirs, ours, bounds, top);
+  }
+
+  /// Row by row; `kByFirst`: the rows are the first's.
+  template <bool kByFirst>
+  WaitingPair* put(const Side& rows, const Side& lanes, Lanes<Real> (&bounds)[kLaneCount],
+                   WaitingPair* top) {
+    const Boxes boxes = rows.set.boxes();
+    const std::uint32_t begin = boxes.begin;
+    const std::uint32_t end = rows.is_split ? boxes.end : begin + 1;
+    for (std::uint32_t i = end; i < boxes.end; ++i)
+      bounds[begin] = smaller(bounds[begin], bounds[i]);
+    const std::uint32_t used = lanes.is_split ? (1U << lanes.set.boxes().end) - 1 : 1;
     WaitingPair* const bottom = top;
-    for (std::uint32_t i = 0; i < first.childCount(); ++i) {
-      if (second.packet() != nullptr) bounds[i] = Lanes<Real>::all(leastOf(bounds[i]));
+    for (std::uint32_t i = begin; i < end; ++i) {
+      if (!lanes.is_split) bounds[i] = Lanes<Real>::all(leastOf(bounds[i]));
       // Lanes that are not in use repeat others.
       const Truth<Real> matter = bounds[i] <= Lanes<Real>::all(reach_);
       leaveOut(!matter, bounds[i]);
       Real bound[kLaneCount];
       bounds[i].store(bound);
-      const std::uint32_t used = (1U << second.childCount()) - 1;
       for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
         const std::uint32_t lane = lowestBit(rest);
-        top = put({inFloat(bound[lane]), first.child(i), second.child(lane)}, bottom, top);
+        const std::uint32_t row = rows.child(i);
+        const std::uint32_t other = lanes.child(lane);
+        top = put({inFloat(bound[lane]), kByFirst ? row : other, kByFirst ? other : row}, bottom,
+                  top);
       }
     }
     return top;
@@ -231,44 +328,96 @@ class PairWalk {
   }
 
   /// Boxes are compared along the axes of both: flat ones that lie askew tell most along their own.
-  void findBounds(const BoxesOf& first, const BoxesOf& second, const Placement<Real>& placement,
-                  Real rounding, Lanes<Real> (&bounds)[kLaneCount]) {
-    const LaneVector<Real> low = load<Real>(first.low);
-    const LaneVector<Real> high = load<Real>(first.high);
-    LaneVector<Real> moved_low = low;
-    LaneVector<Real> moved_high = high;
-    placement(moved_low, moved_high);
-    const LaneVector<Real> other_low = load<Real>(second.low);
-    const LaneVector<Real> other_high = load<Real>(second.high);
-    LaneVector<Real> back_low = other_low;
-    LaneVector<Real> back_high = other_high;
-    Placement<Real>(second, search_.first_from_second, first)(back_low, back_high);
+  /// Row by row: of each box of one (`by_first`: the first) to those of the other.
+  void findBounds(const Boxes& first, const Boxes& second, bool by_first,
+                  Lanes<Real> (&bounds)[kLaneCount]) {
+    const Placement<Real> there(first.node, search_.second_from_first, second.node);
+    const Placement<Real> back(second.node, search_.first_from_second, first.node);
+    const LaneBoxes<Real> firsts = boxesOf<Real>(first.node);
+    const LaneBoxes<Real> seconds = boxesOf<Real>(second.node);
+    const LaneBoxes<Real> firsts_there = there(firsts);
+    const LaneBoxes<Real> seconds_back = back(seconds);
+    const Lanes<Real> rounding =
+        Lanes<Real>::all(roundingOf(first.node.radius, second.node.radius, reachOf(there.offset)));
     const auto scale = static_cast<Real>(search_.least_scale);
     const Lanes<Real> squared_scale = Lanes<Real>::all(scale * scale);
-    for (std::uint32_t i = 0; i < first.count; ++i) {
-      const Lanes<Real> there =
-          squaredDistanceOf(other_low, other_high, laneOf(moved_low, i), laneOf(moved_high, i));
-      const Lanes<Real> back =
-          squaredDistanceOf(back_low, back_high, laneOf(low, i), laneOf(high, i));
-      bounds[i] = root(larger(squared_scale * back, there)) - Lanes<Real>::all(rounding);
+    const Boxes& rows = by_first ? first : second;
+    const LaneBoxes<Real>& rows_there = by_first ? firsts_there : seconds;
+    const LaneBoxes<Real>& rows_back = by_first ? firsts : seconds_back;
+    const LaneBoxes<Real>& lanes_there = by_first ? seconds : firsts_there;
+    const LaneBoxes<Real>& lanes_back = by_first ? seconds_back : firsts;
+    for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
+      const Lanes<Real> squares =
+          larger(lanes_there.squaredDistanceTo(rows_there, i),
+                 squared_scale * lanes_back.squaredDistanceTo(rows_back, i));
+      bounds[i] = root(squares) - rounding;
     }
-    search_.bounds += first.count * second.count;
+    search_.bounds += (first.end - first.begin) * (second.end - second.begin);
+  }
+
+  /// The triangles of a packet of the first, turned like the second and around its own origin.
+  const LaneTriangles<Real>& turned(const TrianglePacket& packet) {
+    if (&packet == turned_packet_) return turned_;
+    turned_packet_ = &packet;
+    const auto turn = [this](const LanePoints& points) {
+      const LaneVector<Real> v = load<Real>(points);
+      const auto row = [&](int i) {
+        const auto& linear = search_.second_from_first.linear[i];
+        return dot(everywhere(vectorOf<Real>(linear)), v);
+      };
+      return LaneVector<Real>{row(0), row(1), row(2)};
+    };
+    turned_ = {turn(packet.corner), turn(packet.edge1), turn(packet.edge2)};
+    return turned_;
+  }
+
+  /// From the origin of a packet of the second to that of one of the first.
+  Vector<Real> offsetOf(const TrianglePacket& first, const TrianglePacket& second) const {
+    const AffineMap& map = search_.second_from_first;
+    const auto coordinate = [&](int i) {
+      const Vector<double> row = {map.linear[i][0], map.linear[i][1], map.linear[i][2]};
+      return static_cast<Real>(dot(row, doublesOf(first.origin)) + map.offset[i] -
+                               double{second.origin[i]});
+    };
+    return {coordinate(0), coordinate(1), coordinate(2)};
+  }
+
+  /// Bounds of each of our triangles to all of theirs, by how far they reach along some directions:
+  /// from middle to middle, as the best so far, or square to the surfaces.
+  Lanes<Real> boundsBetween(const LaneTriangles<Real>& ours, const LaneTriangles<Real>& theirs,
+                            const Lanes<Real>& rounding) const {
+    const Vector<Real> apart = theirs.middle() - ours.middle();
+    const Lanes<Real> gaps = larger(gapsAlong(apart, ours, theirs),
+                                    gapsAlong(vectorOf<Real>(search_.way), ours, theirs));
+    if (leastOf(gaps - rounding) > reach_) return gaps - rounding;
+    const Lanes<Real> square = larger(gapsAlong(ours.normalTowards(apart), ours, theirs),
+                                      gapsAlong(theirs.normalTowards(apart), ours, theirs));
+    return larger(gaps, square) - rounding;
   }
 
   /// Looks at the triangles of two packets.
-  void scan(const TrianglePacket& first, const TrianglePacket& second,
-            const Placement<Real>& placement, Real rounding,
-            const Lanes<Real> (&boxes)[kLaneCount]) {
-    const LaneVector<Real> a = placement(load<Real>(first.corner));
-    const LaneVector<Real> b = a + placement.turned(load<Real>(first.edge1));
-    const LaneVector<Real> c = a + placement.turned(load<Real>(first.edge2));
-    for (std::uint32_t i = 0; i < first.lane_count; ++i) {
-      const Real nearest_box = leastOf(boxes[i]);
-      if (nearest_box > reach_ || search_.pairs_left == 0) {
-        leaveOut(nearest_box);
+  void scan(const TrianglePacket& first, const TrianglePacket& second) {
+    const Vector<Real> offset = offsetOf(first, second);
+    LaneTriangles<Real> ours = turned(first);
+    ours.a = ours.a + everywhere(offset);
+    const LaneTriangles<Real> theirs = trianglesOf<Real>(second);
+    const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset));
+    const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
+    const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
+    leaveOut(!matter, bounds);  // lanes that are not in use repeat others
+    const std::uint32_t used = (1U << first.lane_count) - 1;
+    if ((used & matter.bits()) == 0) return;
+    const LaneFaces<Real> faces(theirs);
+    for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
+      const std::uint32_t i = lowestBit(rest);
+      const Vector<Real> a = laneOf(ours.a, i);
+      const Vector<Real> tip[3] = {a, a + laneOf(ours.ab, i), a + laneOf(ours.ac, i)};
+      const Real beside = leastOf(faces.gapsTo(tip)) - rounding;
+      const Real bound = beside > bounds[i] ? beside : bounds[i];
+      if (bound > reach_ || search_.pairs_left == 0) {
+        leaveOut(bound);
         continue;
       }
-      const Vector<Real> tip[3] = {laneOf(a, i), laneOf(b, i), laneOf(c, i)};
       scan(first.first_leaf + i, second, gapToTriangles(tip, second), rounding);
     }
   }
@@ -333,6 +482,8 @@ class PairWalk {
   Real reach_;                                                     // what is farther is left out
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of that
   Candidates<PairCandidate> candidates_;
+  const TrianglePacket* turned_packet_ = nullptr;
+  LaneTriangles<Real> turned_;
   bool promised_ = false;  // search_.best is owed to a pair that was not measured
   PairCandidate promised_pair_ = {};
 };

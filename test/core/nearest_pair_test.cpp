@@ -179,6 +179,42 @@ TEST(NearestPair, OfSurfacesOfUnlikeSizesEqualsBruteForceBitForBit) {
   }
 }
 
+/// Hierarchies of many levels, with nodes and packets side by side in every node.
+TEST(NearestPair, OfDeepHierarchiesEqualsBruteForceBitForBit) {
+  std::mt19937 generator(84);
+  const CollisionMesh first(test::halvings(40));
+  const CollisionMesh second(test::shuffled(test::halvings(25), 1));
+  for (std::size_t i = 0; i < queryCount(30); ++i) {
+    const Isometry3d pose = randomPlacement(generator, first, second);
+    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
+    const Isometry3d back = pose.inverse();
+    ASSERT_EQ(nearestPair(second, back, first).nearest.distance, truth(second, back, first));
+  }
+}
+
+/// Triangles so thin that single precision gets their normals wrong.
+TEST(NearestPair, OfNeedlesEqualsBruteForceBitForBit) {
+  std::mt19937 generator(85);
+  for (std::size_t i = 0; i < queryCount(100); ++i) {
+    const auto needles = [&generator] {
+      Points points;
+      std::vector<Corners> triangles;
+      for (std::size_t corner = 0; corner < 60; corner += 3) {
+        const Vector3d a = test::randomPoint(generator, 1.0);
+        const Vector3d b = a + test::randomPoint(generator, 0.3);
+        const Vector3d c = a + 0.37 * (b - a) + test::randomPoint(generator, 1e-9);
+        points.insert(points.end(), {a, b, c});
+        triangles.push_back(test::corners(corner, corner + 1, corner + 2));
+      }
+      return CollisionMesh({points, triangles});
+    };
+    const CollisionMesh first = needles();
+    const CollisionMesh second = needles();
+    const Isometry3d pose = test::randomPose(generator, 1.0);
+    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
+  }
+}
+
 /// Where all are equally far but for rounding, a bound that forgets its own leaves the nearest out.
 TEST(NearestPair, OfParallelSurfacesEqualsBruteForceBitForBit) {
   std::mt19937 generator(82);
@@ -218,13 +254,13 @@ TEST(NearestPair, IsTheSameOnEveryVectorUnit) {
 TEST(NearestPair, LooksAtNoMorePairsThanAllowed) {
   const CollisionMesh organ(test::blob(4));
   double last = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t pairs : {1U, 2U, 8U, 64U, 512U}) {
+  for (const std::uint32_t pairs : {1U, 2U, 8U, 64U}) {
     const NearestPair pair = nearestPair(organ, at(0.2, 0.1, 0.3), organ, {0.0, 0.0, pairs});
     EXPECT_LE(pair.nearest.work.triangles, pairs);
     EXPECT_LE(pair.nearest.distance, last);
     last = pair.nearest.distance;
   }
-  EXPECT_GT(nearestPair(organ, at(0.2, 0.1, 0.3), organ).nearest.work.triangles, 512U);
+  EXPECT_GT(nearestPair(organ, at(0.2, 0.1, 0.3), organ).nearest.work.triangles, 64U);
 }
 
 TEST(NearestPair, OfSurfacesInOtherGalaxiesIsRightButForRounding) {
