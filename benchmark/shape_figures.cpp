@@ -1,0 +1,218 @@
+// What do shafts and jaws cost against an organ, how does a shaft compare with a point, and how
+// long does the worst case take? Usage: shape_figures ORGAN..., see README.md; organs are scaled to
+// a diagonal of 0.3 m. All times are processor time of the thread that asks, the least of some
+// repetitions: others may use the machine too.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "node/stopwatch.h"
+#include "organ_collision/core/contact.h"
+#include "organ_collision/io/mesh_io.h"
+#include "organs.h"
+#include "test_meshes.h"
+
+namespace organ_collision {
+namespace {
+
+using core::CollisionMesh;
+using core::Shape;
+using core::Shapes;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double kDiagonal = 0.3;      // [m] of an organ
+constexpr double kMicroseconds = 1e6;  // in a second
+constexpr int kRepeats = 5;
+constexpr int kStepsOfAPose = 4;  // in motion
+
+using Random = std::mt19937;
+
+double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+/// Of the organ's surface, with the normal there as z axis.
+Isometry3d onSurface(Random& random, const CollisionMesh& organ) {
+  const auto triangle = static_cast<core::TriangleId>(random() % organ.mesh().triangleCount());
+  const auto [a, b, c] = organ.mesh().triangle(triangle);
+  const Vector3d normal = (b - a).cross(c - a).normalized();
+  return Eigen::Translation3d(core::centroid({a, b, c})) *
+         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
+}
+
+Isometry3d lifted(Random& random, double low, double high) {
+  return Eigen::Translation3d(0, 0, uniform(random, low, high)) *
+         Isometry3d(Eigen::AngleAxisd(uniform(random, 0.0, 6.28), Vector3d::UnitZ()));
+}
+
+/// How instruments, which reach from their origin along z, stand to an organ.
+struct Workload {
+  const char* name;
+  std::function<Isometry3d(Random&, const CollisionMesh&)> pose;
+};
+
+const Workload kPointing = {"pointing at it, up to 5 mm away",
+                            [](Random& random, const CollisionMesh& organ) -> Isometry3d {
+                              return onSurface(random, organ) * lifted(random, 0.0, 0.005);
+                            }};
+const Workload kLying = {"lying along it, 0 to 5 mm above",
+                         [](Random& random, const CollisionMesh& organ) -> Isometry3d {
+                           return onSurface(random, organ) * lifted(random, 0.0, 0.005) *
+                                  Eigen::AngleAxisd(1.5707963, Vector3d::UnitX()) *
+                                  Eigen::Translation3d(0, 0, -0.1);
+                         }};
+const Workload kFar = {
+    "turned anyhow, 1 to 20 cm away", [](Random& random, const CollisionMesh& organ) -> Isometry3d {
+      return onSurface(random, organ) * lifted(random, 0.01, 0.2) * test::randomPose(random, 0.0);
+    }};
+const Workload kEntering = {"pointing at it, up to 1 cm inside",
+                            [](Random& random, const CollisionMesh& organ) -> Isometry3d {
+                              return onSurface(random, organ) * lifted(random, -0.01, 0.0);
+                            }};
+const Workload kCrossing = {"turned anyhow, through it",
+                            [](Random& random, const CollisionMesh& organ) -> Isometry3d {
+                              return onSurface(random, organ) * test::randomPose(random, 0.0) *
+                                     Eigen::Translation3d(0, 0, -uniform(random, 0.0, 0.2));
+                            }};
+
+/// Around the organ: a turn, near and far, as an instrument in a hand, at most some tenths of a
+/// millimetre a step.
+std::vector<Isometry3d> motion(const CollisionMesh& organ, int steps, double nearest,
+                               double farthest) {
+  const core::Box& box = organ.health().box;
+  const Vector3d centre = 0.5 * (box.low + box.high);
+  std::vector<Isometry3d> poses;
+  for (int i = 0; i < steps; ++i) {
+    const double turn = 6.28 * i / steps;
+    const Vector3d from =
+        Vector3d(std::cos(turn), std::sin(turn), 0.8 * std::sin(2 * turn)).normalized();
+    const auto there = core::nearestTriangle(organ, centre + kDiagonal * from);
+    const double height = nearest + (farthest - nearest) * 0.5 * (1.0 - std::cos(7 * turn));
+    const Vector3d place = there.closest.point + height * from;
+    poses.push_back(Eigen::Translation3d(place) *
+                    Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), from) *
+                    Isometry3d(Eigen::AngleAxisd(3 * turn, Vector3d(1, 2, 3).normalized())));
+  }
+  return poses;
+}
+
+std::vector<Isometry3d> posesOf(const Workload& workload, const CollisionMesh& organ, int count) {
+  Random random(1);
+  std::vector<Isometry3d> poses;
+  for (int i = 0; i < count; ++i) poses.push_back(workload.pose(random, organ));
+  return poses;
+}
+
+/// [s] of each call of `ask(pose)`, the least of some runs through all poses, each after `start()`.
+template <class Start, class Ask>
+std::vector<double> timesOf(const std::vector<Isometry3d>& poses, const Start& start,
+                            const Ask& ask) {
+  std::vector<double> least(poses.size(), 1.0);
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    start();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const node::CostStopwatch watch;
+      ask(poses[i]);
+      least[i] = std::min(least[i], watch.elapsed());
+    }
+  }
+  return least;
+}
+
+/// [s] a call on average; the least of some runs.
+template <class Ask>
+double meanOf(const std::vector<Isometry3d>& poses, const Ask& ask) {
+  double least = 1.0;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    const node::CostStopwatch watch;
+    for (const Isometry3d& pose : poses) ask(pose);
+    least = std::min(least, watch.elapsed());
+  }
+  return least / static_cast<double>(poses.size());
+}
+
+void print(const char* name, std::vector<double> times) {
+  double sum = 0.0;
+  for (const double time : times) sum += time;
+  std::sort(times.begin(), times.end());
+  std::printf("  %-44s %8.0f %8.0f %8.0f\n", name,
+              kMicroseconds * sum / static_cast<double>(times.size()),
+              kMicroseconds * times[times.size() * 99 / 100], kMicroseconds * times.back());
+}
+
+void compareShaftWithPoint(const CollisionMesh& organ, int count) {
+  const core::Capsule shaft{{0, 0, 0}, {0, 0, 0.2}, 0.0025};
+  const Vector3d tip(0, 0, 0);
+  std::printf("  shaft of 20 cm, us:                           a point  a shaft  ratio\n");
+  for (const Workload& workload : {kPointing, kLying, kFar, kEntering, kCrossing}) {
+    const std::vector<Isometry3d> poses = posesOf(workload, organ, count);
+    const double point =
+        meanOf(poses, [&](const Isometry3d& pose) { core::contact(organ, {tip}, pose); });
+    const double capsule =
+        meanOf(poses, [&](const Isometry3d& pose) { core::contact(organ, {shaft}, pose); });
+    std::printf("  %-44s %8.2f %8.2f %6.2f\n", workload.name, kMicroseconds * point,
+                kMicroseconds * capsule, capsule / point);
+  }
+}
+
+void measureJaw(const CollisionMesh& organ, int count) {
+  const Shapes jaw = {core::RigidMesh{std::make_shared<const CollisionMesh>(
+                                          io::loadMesh(std::filesystem::path(MESHES) / "jaw.obj")),
+                                      Isometry3d::Identity()}};
+  std::printf("  jaw of 980 triangles, us:                        mean  99 of 100  worst\n");
+  const auto ask = [&](const Isometry3d& pose) { core::contact(organ, jaw, pose); };
+  for (const Workload& workload : {kPointing, kFar, kEntering})
+    print(workload.name, timesOf(
+                             posesOf(workload, organ, count), [] {}, ask));
+  const auto followed = [&](const char* name, double nearest, double farthest) {
+    core::ContactTracker tracker;
+    const std::vector<Isometry3d> poses = motion(organ, kStepsOfAPose * count, nearest, farthest);
+    print((std::string(name) + ", asked anew").c_str(), timesOf(
+                                                            poses, [] {}, ask));
+    auto times = timesOf(
+        poses, [&] { tracker = core::ContactTracker(); },
+        [&](const Isometry3d& pose) { tracker.contact(organ, {}, jaw, pose); });
+    times.erase(times.begin());  // anew
+    print((std::string(name) + ", followed").c_str(), times);
+  };
+  followed("moving 0 to 3 cm above", 0.0, 0.03);
+  followed("moving 5 to 20 cm above", 0.05, 0.2);
+  followed("moving from 1 cm inside to 1 cm above", -0.01, 0.01);
+}
+
+core::TriangleMesh scaled(const core::TriangleMesh& mesh) {
+  const core::TriangleMesh unit = bench::inUnitsOfItsDiagonal(mesh);
+  core::Points positions = unit.positions();
+  for (Vector3d& position : positions) position *= kDiagonal;
+  return {positions, unit.triangles()};
+}
+
+void measure(const std::string& name, int count) {
+  const CollisionMesh organ(scaled(bench::organNamed(name)));
+  std::printf("%s: %zu triangles\n", name.c_str(), organ.mesh().triangleCount());
+  compareShaftWithPoint(organ, count);
+  measureJaw(organ, count);
+}
+
+}  // namespace
+}  // namespace organ_collision
+
+int main(int argc, char** argv) {
+  try {
+    if (argc < 3) throw std::invalid_argument("usage: shape_figures POSES ORGAN...");
+    for (int i = 2; i < argc; ++i) organ_collision::measure(argv[i], std::stoi(argv[1]));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "shape_figures: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
