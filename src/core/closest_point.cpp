@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <tuple>
-#include <utility>
 
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
@@ -46,17 +46,34 @@ bool isNearer(const Corner& left, const Corner& right) {
   return std::tie(p.x(), p.y(), p.z()) < std::tie(q.x(), q.y(), q.z());
 }
 
-Corners3 nearestFirst(const Vector3d& query, const Triangle& triangle) {
+Corners3 cornersOf(const Vector3d& query, const Triangle& triangle) {
   const auto corner = [&query](const Vector3d& position, int slot) {
     const Vector3d offset = position - query;
     return Corner{position, offset, squaredLength(offset), slot};
   };
-  Corners3 corners{corner(triangle.a, 0), corner(triangle.b, 1), corner(triangle.c, 2)};
-  if (isNearer(corners[1], corners[0])) std::swap(corners[0], corners[1]);
-  if (isNearer(corners[2], corners[1])) std::swap(corners[1], corners[2]);
-  if (isNearer(corners[1], corners[0])) std::swap(corners[0], corners[1]);
-  return corners;
+  return {corner(triangle.a, 0), corner(triangle.b, 1), corner(triangle.c, 2)};
 }
+
+std::size_t nearestOf(const Corners3& corners) {
+  const std::size_t nearer = isNearer(corners[1], corners[0]) ? 1 : 0;
+  return isNearer(corners[2], corners[nearer]) ? 2 : nearer;
+}
+
+/// The triangle as its nearest corner sees it: from there the way is the shortest, and so most
+/// accurate.
+struct View {
+  View(const Corner& nearest, const Corner& next, const Corner& last)
+      : base(nearest),
+        left(next),
+        right(last),
+        to_left(left.position - base.position),
+        to_right(right.position - base.position) {}
+
+  const Corner& base;
+  const Corner& left;
+  const Corner& right;
+  Vector3d to_left, to_right;  ///< [m]
+};
 
 Candidate atCorner(const Corner& corner) {
   return {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Unit(corner.slot)};
@@ -84,24 +101,48 @@ bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
   return squaredLength(e1.cross(e2)) <= kPerhapsFlat * squaredLength(e1) * squaredLength(e2);
 }
 
-/// The point nearest to the query, if that is inside the face.
-void considerFace(const Corners3& corners, Candidate& best) {
-  const auto& [base, left, right] = corners;  // the shortest way to go is the most accurate
+/// Whether both edges lead away from the query, as far as plain products tell.
+bool isNearestAtBase(const View& view) {
+  return isSafe(squaredLength(view.to_left)) && isSafe(squaredLength(view.to_right)) &&
+         view.base.offset.dot(view.to_left) >= 0 && view.base.offset.dot(view.to_right) >= 0;
+}
+
+/// Steps to the point with these weights of left and right; false if it is not inside the face.
+bool stepInside(const View& view, const Vector2d& weights, Candidate& best) {
+  const double s = weights.x();
+  const double t = weights.y();
+  const double rest = 1 - (s + t);
+  if (!(s > 0 && t > 0 && rest > 0)) return false;
+  if (!improve(best, view.base, s * view.to_left + t * view.to_right)) return false;
+  best.barycentric[view.base.slot] = rest;
+  best.barycentric[view.left.slot] = s;
+  best.barycentric[view.right.slot] = t;
+  return true;
+}
+
+/// Most triangles are well shaped: where the query is above such a face, no edge is nearer.
+bool isInsidePlainly(const View& view, Candidate& best) {
+  const std::optional<Vector2d> weights =
+      plainPlaneCoordinates(-view.base.offset, view.to_left, view.to_right);
+  return weights && stepInside(view, *weights, best);
+}
+
+void considerFace(const View& view, Candidate& best) {
+  const auto& [base, left, right, to_left, to_right] = view;
   if (base.position == left.position || left.position == right.position) return;
-  const Vector3d to_left = left.position - base.position;
-  const Vector3d to_right = right.position - base.position;
   const std::optional<Vector2d> weights = planeCoordinates(-base.offset, to_left, to_right);
   if (!weights) return;
-  const double s = weights->x();
-  const double t = weights->y();
-  const double rest = 1 - (s + t);
-  if (!(s > 0 && t > 0 && rest > 0)) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return;
-  if (!improve(best, base, s * to_left + t * to_right)) return;
-  best.barycentric[base.slot] = rest;
-  best.barycentric[left.slot] = s;
-  best.barycentric[right.slot] = t;
+  stepInside(view, *weights, best);
+}
+
+/// REQUIRES: of the corners of `view`, left is not farther than right.
+void considerAll(const View& view, Candidate& best) {
+  considerEdge(view.base, view.left, best);
+  considerEdge(view.base, view.right, best);
+  considerEdge(view.left, view.right, best);
+  considerFace(view, best);
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -115,12 +156,14 @@ Feature featureOf(const Vector3d& barycentric) {
 }  // namespace
 
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
-  const Corners3 corners = nearestFirst(query, triangle);
-  Candidate best = atCorner(corners[0]);
-  considerEdge(corners[0], corners[1], best);
-  considerEdge(corners[0], corners[2], best);
-  considerEdge(corners[1], corners[2], best);
-  considerFace(corners, best);
+  const Corners3 corners = cornersOf(query, triangle);
+  const std::size_t nearest = nearestOf(corners);
+  const View view(corners[nearest], corners[(nearest + 1) % 3], corners[(nearest + 2) % 3]);
+  Candidate best = atCorner(view.base);
+  if (!isNearestAtBase(view) && !isInsidePlainly(view, best)) {
+    const bool is_left_nearer = isNearer(view.left, view.right);
+    considerAll(is_left_nearer ? view : View(view.base, view.right, view.left), best);
+  }
 
   const Box seen = boxOf({corners[0].offset, corners[1].offset, corners[2].offset});
   const Box box = boxOf(triangle);

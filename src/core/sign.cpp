@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/plane_coordinates.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -15,6 +16,21 @@ namespace {
 // a sine above it is right to 8u / kClear, a sum of normals longer than it to 8u / kClear^2, and
 // that is far below kClear.
 constexpr double kClear = 0x1p-12;
+
+double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
+
+/// Times a power of two, so that no product of four over- or underflows.
+Eigen::Vector3d safe(const Eigen::Vector3d& v) {
+  if (isSafe(squaredLength(v)) || v.isZero(0.0)) return v;
+  return normalisingFactor(largestCoordinate(v)) * v;
+}
+
+/// To length 1; 0 remains 0.
+Eigen::Vector3d unit(const Eigen::Vector3d& v) {
+  if (v.isZero(0.0)) return v;
+  const Eigen::Vector3d scaled = safe(v);
+  return scaled / std::sqrt(squaredLength(scaled));
+}
 
 /// Triangles that meet at a feature, with the angles that they fill there; made of all that share
 /// its welded vertices.
@@ -74,15 +90,16 @@ class Fan {
   /// Adds the normal of `triangle`, weighted by its angle at corner i where a vertex is asked for.
   void add(const Triangle& triangle, std::size_t i, Feature kind) {
     const std::array<const Eigen::Vector3d*, 3> corners = {&triangle.a, &triangle.b, &triangle.c};
-    // Scaled to 1 before they are multiplied, so that no size over- or underflows.
-    const Eigen::Vector3d to_next = (*corners[(i + 1) % 3] - *corners[i]).stableNormalized();
-    const Eigen::Vector3d to_last = (*corners[(i + 2) % 3] - *corners[i]).stableNormalized();
+    const Eigen::Vector3d to_next = safe(*corners[(i + 1) % 3] - *corners[i]);
+    const Eigen::Vector3d to_last = safe(*corners[(i + 2) % 3] - *corners[i]);
     const Eigen::Vector3d across = to_next.cross(to_last);
-    const double sine = across.norm();
-    well_shaped_ = well_shaped_ && sine > kClear;
-    if (sine == 0.0) return;
-    const double weight = kind == Feature::kVertexA ? std::atan2(sine, to_next.dot(to_last)) : 1.0;
-    normal_ += weight / sine * across;
+    const double squared_area = squaredLength(across);
+    well_shaped_ = well_shaped_ &&
+                   squared_area > kClear * kClear * squaredLength(to_next) * squaredLength(to_last);
+    if (squared_area == 0.0) return;
+    const double area = std::sqrt(squared_area);
+    const double weight = kind == Feature::kVertexA ? std::atan2(area, to_next.dot(to_last)) : 1.0;
+    normal_ += weight / area * across;
   }
 
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
@@ -93,8 +110,6 @@ class Fan {
 double orientationFactor(const CollisionMesh& organ) {
   return organ.health().inverted ? -1.0 : 1.0;
 }
-
-double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
 /// +1 or -1 where the line through `point` along x crosses the triangle with its normal along +x or
 /// -x, else 0. A line that meets an edge is moved by less than any number, first in y and by still
@@ -119,7 +134,7 @@ int crossing(const Triangle& triangle, const Eigen::Vector3d& point) {
 }  // namespace
 
 Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
-  return orientationFactor(organ) * Fan(organ, triangle, feature).normal().stableNormalized();
+  return orientationFactor(organ) * unit(Fan(organ, triangle, feature).normal());
 }
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
@@ -162,12 +177,12 @@ NormalAndSide normalAndSide(const CollisionMesh& organ, const Eigen::Vector3d& p
                             TriangleId triangle, const ClosestPoint& closest) {
   const MeshHealth& health = organ.health();
   const Fan fan(organ, triangle, closest.feature);
-  const Eigen::Vector3d normal = orientationFactor(organ) * fan.normal().stableNormalized();
+  const Eigen::Vector3d normal = orientationFactor(organ) * unit(fan.normal());
   if (!health.isSolid()) return {normal, std::nullopt};
   if (!health.box.contains(point)) return {normal, Side::kOutside};
   const double extent =
       largestCoordinate(closest.offset) + largestCoordinate(health.box.high - health.box.low);
-  const double height = -closest.offset.stableNormalized().dot(normal);
+  const double height = -unit(closest.offset).dot(normal);
   const bool clear = fan.isWellShaped() && std::abs(height) > kClear &&
                      largestCoordinate(closest.offset) > 0x1p-30 * extent;
   const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;

@@ -132,8 +132,8 @@ class OrganTrial {
     measureRefit(tip, nearest, distance);
     const bool inside = isInside(tip, nearest);
     if (built_.health().isSolid() && nearest.distance > 0) {
-      // -0: inside by less than the smallest number
-      count(row_[Subject::kSign], exact.distance_signed && std::signbit(exact.distance) == inside);
+      const bool is_right = exact.distance == 0.0 || (exact.distance < 0.0) == inside;
+      count(row_[Subject::kSign], exact.distance_signed && is_right);
     }
     measureDial(tip, nearest, inside);
     measureGuises(tip, exact);
