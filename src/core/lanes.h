@@ -185,7 +185,7 @@ inline Truth<Real> operator!(const Truth<Real>& a) {
   return result;
 }
 template <class Real>
-inline Real leastOf(const Lanes<Real>& lanes) {
+[[gnu::always_inline]] inline Real leastOf(const Lanes<Real>& lanes) {
   Real values[kLanes];
   lanes.store(values);
   for (int half = kLanes / 2; half > 0; half /= 2)

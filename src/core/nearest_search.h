@@ -8,6 +8,7 @@
 
 #include "core/kernels.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
 
 // A search for the nearest triangle, between the kernels, which know no organ, and the public
@@ -124,16 +125,21 @@ class NearestSearch : protected Search {
 
   NearestTriangle answer() const {
     const double distance = std::sqrt(squared_best_);
-    const double to_box = std::sqrt(tip_.squaredDistanceTo(organ_.health().box));
     return {organ_.tree().triangle(best_leaf),
             pair_.on_second,
             pair_.point_on_first,
             Eigen::Vector3d::Zero(),
             distance,
-            std::min(distance, std::max(to_box, unopened / scale_)),
+            unopened < best ? std::min(distance, lowerBound()) : distance,
             distance,
             false,
             {bounds, triangles}};
+  }
+
+  /// [m] Of all triangles.
+  double lowerBound() const {
+    const double to_box = std::sqrt(tip_.squaredDistanceTo(organ_.health().box));
+    return std::max(to_box, unopened / scale_);
   }
 
   const CollisionMesh& organ_;
@@ -148,5 +154,8 @@ class NearestSearch : protected Search {
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
 /// proven.
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest);
+/// REQUIRES: `normal` is the surface's at the nearest point.
+NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
+                         const SurfaceNormal& normal);
 
 }  // namespace organ_collision::core

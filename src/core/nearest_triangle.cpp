@@ -18,15 +18,18 @@ std::vector<Waiting>& scratch(std::size_t depth) {
 }
 
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest) {
-  const bool touches = nearest.upper_bound == 0.0;  // of 0 both signs are right
-  if (touches || (!nearest.isExact() && organ.health().box.contains(nearest.tip_point))) {
-    nearest.normal = pseudonormal(organ, nearest.triangle, nearest.closest.feature);
-    nearest.distance_signed = touches && organ.health().isSolid();
+  return withSign(organ, nearest, surfaceNormal(organ, nearest.triangle, nearest.closest.feature));
+}
+
+NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
+                         const SurfaceNormal& normal) {
+  nearest.normal = normal.direction;
+  if (nearest.upper_bound == 0.0) {  // of 0 both signs are right
+    nearest.distance_signed = organ.health().isSolid();
     return nearest;
   }
-  const auto [normal, side] =
-      normalAndSide(organ, nearest.tip_point, nearest.triangle, nearest.closest);
-  nearest.normal = normal;
+  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) return nearest;
+  const std::optional<Side> side = sideOf(organ, nearest.tip_point, nearest.closest, normal);
   nearest.distance_signed = side.has_value();
   if (side == Side::kInside) {
     nearest.distance = -nearest.distance;

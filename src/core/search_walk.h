@@ -53,9 +53,7 @@ class Walk {
       }
     }
     while (top != bottom) leaveOutBox(squareOf(*--top));
-    const double box = rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
-    if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
-    leaveOut(box);
+    if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
     finish();
   }
 
@@ -95,14 +93,24 @@ class Walk {
     b = c;
   }
 
+  /// What was left out because it was farther than the best of its time is farther than the last.
+  bool isExact() const {
+    return search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
+  }
+
+  void leaveOutBoxes() {
+    const Real least = leastOf(boxes_left_out_);
+    const Real square = least < box_left_out_ ? least : box_left_out_;
+    const double box = rootOf(square) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
+    if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
+    leaveOut(box);
+  }
+
   void finish() {
     measureCandidates();
     if (promised_) measure(promised_leaf_);
-    leaveOut(leastOf(left_out_));
-    // Left out because it was farther than the best of its time, it is farther than the last.
-    const bool is_exact =
-        search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
-    if (is_exact || search_.unopened >= search_.best) search_.unopened = kInfinity;
+    if (!isExact()) leaveOut(leastOf(left_out_));
+    if (isExact() || search_.unopened >= search_.best) search_.unopened = kInfinity;
   }
 
   /// Of triangles that touch the tip the first is named.
@@ -147,7 +155,8 @@ class Walk {
     if (bound < search_.unopened) search_.unopened = bound;
   }
   void leaveOutBox(float square) {
-    boxes_left_out_ = smaller(boxes_left_out_, Lanes<Real>::all(static_cast<Real>(square)));
+    box_left_out_ =
+        static_cast<Real>(square) < box_left_out_ ? static_cast<Real>(square) : box_left_out_;
   }
   static Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
                                   const Lanes<Real>& least) {
@@ -336,8 +345,8 @@ class Walk {
   Real box_rounding_;   // of the distance to any box
   Real reach_;          // what is farther is left out
   Real squared_reach_;  // a box with that
-  Lanes<Real> boxes_left_out_ =
-      Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of them, squared
+  Lanes<Real> boxes_left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // their nearest, squared
+  Real box_left_out_ = Real{kFloatInfinity};  // the nearest of those that waited, squared
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest triangle of them
   Candidates<Candidate> candidates_;
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured

@@ -20,16 +20,15 @@ constexpr double kClear = 0x1p-12;
 double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
 /// Times a power of two, so that no product of four over- or underflows.
-Eigen::Vector3d safe(const Eigen::Vector3d& v) {
-  if (isSafe(squaredLength(v)) || v.isZero(0.0)) return v;
-  return normalisingFactor(largestCoordinate(v)) * v;
+Eigen::Vector3d madeSafe(const Eigen::Vector3d& v) {
+  return v.isZero(0.0) ? v : Eigen::Vector3d(normalisingFactor(largestCoordinate(v)) * v);
 }
 
 /// To length 1; 0 remains 0.
 Eigen::Vector3d unit(const Eigen::Vector3d& v) {
-  if (v.isZero(0.0)) return v;
-  const Eigen::Vector3d scaled = safe(v);
-  return scaled / std::sqrt(squaredLength(scaled));
+  const double squared = squaredLength(v);
+  if (isSafe(squared)) return v / std::sqrt(squared);
+  return v.isZero(0.0) ? v : unit(madeSafe(v));
 }
 
 /// Triangles that meet at a feature, with the angles that they fill there; made of all that share
@@ -90,8 +89,12 @@ class Fan {
   /// Adds the normal of `triangle`, weighted by its angle at corner i where a vertex is asked for.
   void add(const Triangle& triangle, std::size_t i, Feature kind) {
     const std::array<const Eigen::Vector3d*, 3> corners = {&triangle.a, &triangle.b, &triangle.c};
-    const Eigen::Vector3d to_next = safe(*corners[(i + 1) % 3] - *corners[i]);
-    const Eigen::Vector3d to_last = safe(*corners[(i + 2) % 3] - *corners[i]);
+    Eigen::Vector3d to_next = *corners[(i + 1) % 3] - *corners[i];
+    Eigen::Vector3d to_last = *corners[(i + 2) % 3] - *corners[i];
+    if (!isSafe(squaredLength(to_next)) || !isSafe(squaredLength(to_last))) {
+      to_next = madeSafe(to_next);
+      to_last = madeSafe(to_last);
+    }
     const Eigen::Vector3d across = to_next.cross(to_last);
     const double squared_area = squaredLength(across);
     well_shaped_ = well_shaped_ &&
@@ -134,7 +137,12 @@ int crossing(const Triangle& triangle, const Eigen::Vector3d& point) {
 }  // namespace
 
 Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
-  return orientationFactor(organ) * unit(Fan(organ, triangle, feature).normal());
+  return surfaceNormal(organ, triangle, feature).direction;
+}
+
+SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
+  const Fan fan(organ, triangle, feature);
+  return {orientationFactor(organ) * unit(fan.normal()), fan.isWellShaped()};
 }
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
@@ -173,20 +181,17 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
   return winding;
 }
 
-NormalAndSide normalAndSide(const CollisionMesh& organ, const Eigen::Vector3d& point,
-                            TriangleId triangle, const ClosestPoint& closest) {
+std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                           const ClosestPoint& closest, const SurfaceNormal& normal) {
   const MeshHealth& health = organ.health();
-  const Fan fan(organ, triangle, closest.feature);
-  const Eigen::Vector3d normal = orientationFactor(organ) * unit(fan.normal());
-  if (!health.isSolid()) return {normal, std::nullopt};
-  if (!health.box.contains(point)) return {normal, Side::kOutside};
-  const double extent =
-      largestCoordinate(closest.offset) + largestCoordinate(health.box.high - health.box.low);
-  const double height = -unit(closest.offset).dot(normal);
-  const bool clear = fan.isWellShaped() && std::abs(height) > kClear &&
-                     largestCoordinate(closest.offset) > 0x1p-30 * extent;
+  if (!health.isSolid()) return std::nullopt;
+  if (!health.box.contains(point)) return Side::kOutside;
+  const double distance = largestCoordinate(closest.offset);
+  const double extent = distance + largestCoordinate(health.box.high - health.box.low);
+  const double height = -unit(closest.offset).dot(normal.direction);
+  const bool clear = normal.is_clear && std::abs(height) > kClear && distance > 0x1p-30 * extent;
   const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
-  return {normal, outside ? Side::kOutside : Side::kInside};
+  return outside ? Side::kOutside : Side::kInside;
 }
 
 }  // namespace organ_collision::core

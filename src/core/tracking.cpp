@@ -18,6 +18,9 @@ struct Tracker::Memory {
   MeshMotion motion;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
+  TriangleId triangle;
+  Feature feature;
+  SurfaceNormal normal;  // there
 };
 
 namespace {
@@ -41,11 +44,17 @@ class TrackedSearch : private NearestSearch<Tip> {
     if (!isNear()) {
       memory_.valid = false;
       this->followed = nullptr;
-      return NearestSearch<Tip>::run();
+      return withSign(this->organ_, NearestSearch<Tip>::run());
     }
     if (!follow()) walk();
+    const NearestTriangle nearest = this->answer();
+    if (!isNormalKnown(nearest)) {
+      memory_.triangle = nearest.triangle;
+      memory_.feature = nearest.closest.feature;
+      memory_.normal = surfaceNormal(this->organ_, memory_.triangle, memory_.feature);
+    }
     remember();
-    return this->answer();
+    return withSign(this->organ_, nearest, memory_.normal);
   }
 
  private:
@@ -105,6 +114,12 @@ class TrackedSearch : private NearestSearch<Tip> {
     std::iter_swap(begin, nearest);
   }
 
+  bool isNormalKnown(const NearestTriangle& nearest) const {
+    return memory_.valid && memory_.motion.build == motion_.build &&
+           memory_.motion.travel == motion_.travel && memory_.triangle == nearest.triangle &&
+           memory_.feature == nearest.closest.feature;
+  }
+
   void remember() {
     memory_.valid = true;
     const auto now = this->tip_.corners();
@@ -128,13 +143,13 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
                                          const Eigen::Vector3d& tip) {
   requireUsable(tip, "tip", 0);
-  return withSign(organ, TrackedSearch(organ, PointTip(tip), motion, *memory_).run());
+  return TrackedSearch(organ, PointTip(tip), motion, *memory_).run();
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
                                          const Triangle& tip) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return withSign(organ, TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run());
+  return TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run();
 }
 
 }  // namespace organ_collision::core

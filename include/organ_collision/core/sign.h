@@ -22,16 +22,17 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 /// organ.health().isSolid().
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point);
 
-/// The pseudonormal at a point's nearest point, and the side of the organ on which the point is;
-/// no side where the organ is no solid.
-struct NormalAndSide {
-  Eigen::Vector3d normal;
-  std::optional<Side> side;
+/// A pseudonormal, and what it is worth.
+struct SurfaceNormal {
+  Eigen::Vector3d direction;  ///< as pseudonormal() gives it
+  bool is_clear;              ///< rounding could not turn it to the other side
 };
+SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature);
 
-/// `closest` must be the point of the organ exactly nearest to `point`, on `triangle`. The side is
-/// told by the pseudonormal where rounding cannot turn it, else by the winding number.
-NormalAndSide normalAndSide(const CollisionMesh& organ, const Eigen::Vector3d& point,
-                            TriangleId triangle, const ClosestPoint& closest);
+/// The side of the organ on which a point is; none where the organ is no solid. `closest` must be
+/// the point of the organ exactly nearest to `point`, `normal` the surface's there. The side is
+/// told by the normal where rounding cannot turn it, else by the winding number.
+std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
+                           const ClosestPoint& closest, const SurfaceNormal& normal);
 
 }  // namespace organ_collision::core
