@@ -44,10 +44,13 @@ class TriangleTip {
 };
 
 /// Room for the sets that wait while a tree of that depth is searched; the calling thread's.
-std::vector<Waiting>& scratch(std::size_t depth);
+WaitingSets scratch(std::size_t depth);
 
 /// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
 constexpr double kBeyond = 0x1p400;
+
+/// More than that are not to be found in a core's own cache.
+constexpr std::size_t kUncachedPackets = 1U << 14U;
 
 template <class Tip>
 class NearestSearch : protected Search {
@@ -61,6 +64,7 @@ class NearestSearch : protected Search {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
     packets = tree.packets().data();
+    fetches = tree.packets().size() > kUncachedPackets;
     Eigen::Vector3d last = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (const Eigen::Vector3d& corner : tip.corners()) {
       if (corner == last) continue;  // a segment or a point
@@ -72,7 +76,7 @@ class NearestSearch : protected Search {
     sparing = accuracy.max_leaves != 0;
     leaves_left =
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
-    stack = scratch(tree.depth()).data();
+    stack = scratch(tree.depth());
     Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
       static_cast<NearestSearch&>(search).measure(leaf);
     };

@@ -9,12 +9,16 @@
 
 namespace organ_collision::core {
 
-std::vector<Waiting>& scratch(std::size_t depth) {
-  thread_local std::vector<Waiting> stack;
-  // Opening a node takes one set from the stack, puts up to eight there and writes past them.
-  const std::size_t room = 2 + (kLaneCount - 1) * depth;
-  if (stack.size() < room) stack.resize(room);
-  return stack;
+WaitingSets scratch(std::size_t depth) {
+  thread_local std::vector<float> squares;
+  thread_local std::vector<std::uint32_t> sets;
+  // Opening a node takes one set from the stack, and writes eight there.
+  const std::size_t room = 2 + kLaneCount + (kLaneCount - 1) * depth;
+  if (squares.size() < room) {
+    squares.resize(room);
+    sets.resize(room);
+  }
+  return {squares.data(), sets.data()};
 }
 
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest) {

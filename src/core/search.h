@@ -10,9 +10,11 @@ namespace organ_collision::core {
 /// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
 constexpr double kFar = 8.0;
 
-/// Sets that wait are kept with a lower bound of their distance: its bits in front, so that the
-/// nearer comes first, then the set's number.
-using Waiting = std::uint64_t;
+/// Room for sets that wait.
+struct WaitingSets {
+  float* squares;  ///< lower bounds of their distances, squared
+  std::uint32_t* sets;
+};
 
 /// The packets that may hold what is nearest to a tip while it moves.
 struct Followed {
@@ -28,11 +30,12 @@ struct Followed {
 struct Search {
   const WideNode* nodes;
   const TrianglePacket* packets;
+  bool fetches;  ///< they are so many that it is worth while to fetch what waits from memory
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count;
   std::uint32_t leaves_left;  ///< that may be looked at
-  bool sparing;    ///< leaves are few: of a packet only those are looked at whose own boxes matter
-  Waiting* stack;  ///< room for 7 to a level, and 2
+  bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
+  WaitingSets stack;        ///< room for 7 to a level, and 9
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.

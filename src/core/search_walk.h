@@ -38,21 +38,22 @@ class Walk {
   }
 
   void run() {
-    Waiting* const bottom = search_.stack;
-    Waiting* top = bottom;
-    *top++ = waiting(0.0F, 0);
-    while (top != bottom && search_.leaves_left > 0) {
-      const Waiting next = *--top;
-      if (static_cast<Real>(squareOf(next)) > squared_reach_) {
-        leaveOutBox(squareOf(next));
-      } else if ((setOf(next) & kPacketBit) != 0) {
-        const std::uint32_t packet = setOf(next) & ~kPacketBit;
-        note(packet, isTooLate(search_.packets[packet]) ? 0 : scan(search_.packets[packet]));
-      } else {
-        top = open(search_.nodes[setOf(next)], top);
+    Stack stack(search_.stack);
+    stack.push(0.0F, 0);
+    while (!stack.isEmpty() && search_.leaves_left > 0) {
+      const float square = stack.square();
+      std::uint32_t set = stack.set();
+      stack.pop();
+      if (static_cast<Real>(square) > squared_reach_) {
+        leaveOutBox(square);
+        continue;
       }
+      while ((set & kPacketBit) == 0) set = open(search_.nodes[set], stack);
+      if (set == kNoSet) continue;
+      const std::uint32_t packet = set & ~kPacketBit;
+      note(packet, isTooLate(search_.packets[packet]) ? 0 : scan(search_.packets[packet]));
     }
-    while (top != bottom) leaveOutBox(squareOf(*--top));
+    for (; !stack.isEmpty(); stack.pop()) leaveOutBox(stack.square());
     if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
     finish();
   }
@@ -205,36 +206,22 @@ class Walk {
     return squares;
   }
 
-  /// Puts the children that matter on the stack, the three nearest on top; all without a branch on
-  /// what their order is.
-  Waiting* open(const WideNode& node, Waiting* top) {
+  /// The nearest child that matters, if any; puts the others on the stack.
+  std::uint32_t open(const WideNode& node, Stack& stack) {
     const Lanes<Real> squares = squaresOf(node);
     search_.bounds += node.lane_count;
     const Truth<Real> matter = squares <= Lanes<Real>::all(squared_reach_);
     // Lanes that are not in use repeat others.
     boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
-    Real square[kLaneCount];
-    squares.store(square);
-    Waiting nearest[3] = {kNoSet, kNoSet, kNoSet};
-    const std::uint32_t used = (1U << node.lane_count) - 1;
-    for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
-      const std::uint32_t lane = lowestBit(rest);
-      const std::uint32_t set = setIn(node, lane);
-      fetch(search_, set);
-      Waiting farther = waiting(inFloat(square[lane]), set);
-      for (Waiting& near : nearest) {
-        const Waiting other = near;
-        near = farther < other ? farther : other;
-        farther = farther < other ? other : farther;
-      }
-      *top = farther;
-      top += farther != kNoSet;
-    }
-    for (int i = 2; i >= 0; --i) {
-      *top = nearest[i];
-      top += nearest[i] != kNoSet;
-    }
-    return top;
+    const Keys used = kLaneNumbers < static_cast<std::int32_t>(node.lane_count);
+    const Keys keys = (chosenBy(matter) & used) != 0 ? keysOf(squares) : -1 - Keys{};
+    const std::uint32_t count = static_cast<std::uint32_t>(
+        __builtin_popcount(matter.bits() & ((1U << node.lane_count) - 1)));
+    if (count == 0) return kNoSet;
+    stack.push(node, keys, count);
+    stack.pop();
+    if (search_.fetches && !stack.isEmpty()) fetch(search_, stack.set());
+    return setIn(node, leastOf(keys) & kLaneBits);
   }
 
   Range<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
