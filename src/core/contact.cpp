@@ -16,8 +16,9 @@ bool isPoint(const Triangle& core) { return core.a == core.b && core.b == core.c
 class Asker {
  public:
   explicit Asker(const CollisionMesh& organ) : organ_(organ) {}
-  Asker(const CollisionMesh& organ, const MeshMotion& motion, Tracker& tracker)
-      : organ_(organ), motion_(&motion), tracker_(&tracker) {}
+  Asker(const CollisionMesh& organ, const MeshMotion& motion, Tracker& tracker,
+        PairTracker& pair_tracker)
+      : organ_(organ), motion_(&motion), tracker_(&tracker), pair_tracker_(&pair_tracker) {}
 
   const CollisionMesh& organ() const { return organ_; }
 
@@ -25,19 +26,28 @@ class Asker {
     return isPoint(core) ? nearest(core.a, accuracy) : nearest(core, accuracy);
   }
 
+  NearestTriangle nearestToMesh(const RigidMesh& mesh, const Accuracy& accuracy) const {
+    if (!follows(accuracy)) return nearestPair(*mesh.surface, mesh.pose, organ_, accuracy).nearest;
+    return pair_tracker_->nearestPair(*mesh.surface, {}, mesh.pose, organ_, *motion_).nearest;
+  }
+
  private:
   /// Who asks for a number of leaves is to get what they find, not more.
+  bool follows(const Accuracy& accuracy) const {
+    requireUsable(accuracy);
+    return tracker_ != nullptr && accuracy.max_leaves == 0;
+  }
+
   template <class Tip>
   NearestTriangle nearest(const Tip& tip, const Accuracy& accuracy) const {
-    if (tracker_ == nullptr || accuracy.max_leaves != 0)
-      return nearestTriangle(organ_, tip, accuracy);
-    requireUsable(accuracy);
+    if (!follows(accuracy)) return nearestTriangle(organ_, tip, accuracy);
     return tracker_->nearestTriangle(organ_, *motion_, tip);
   }
 
   const CollisionMesh& organ_;
   const MeshMotion* motion_ = nullptr;
   Tracker* tracker_ = nullptr;
+  PairTracker* pair_tracker_ = nullptr;
 };
 
 /// Whether an answer to the core is good enough for the shape: a relative error is allowed of what
@@ -102,7 +112,7 @@ NearestTriangle inflated(NearestTriangle nearest, const RoundShape& shape) {
 
 NearestTriangle nearestToShape(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {
   if (const auto* mesh = std::get_if<RigidMesh>(&shape))
-    return nearestPair(*mesh->surface, mesh->pose, asker.organ(), accuracy).nearest;
+    return asker.nearestToMesh(*mesh, accuracy);
   const RoundShape round = *roundShape(shape);
   return inflated(nearestWithin(asker, round, accuracy), round);
 }
@@ -157,8 +167,10 @@ Contact contact(const CollisionMesh& organ, const Shapes& shapes,
 Contact ContactTracker::contact(const CollisionMesh& organ, const MeshMotion& motion,
                                 const Shapes& shapes, const Eigen::Isometry3d& organ_from_shapes,
                                 const Accuracy& accuracy) {
-  trackers_.resize(shapes.size());
-  const auto asker = [&](std::size_t i) { return Asker(organ, motion, trackers_[i]); };
+  pieces_.resize(shapes.size());
+  const auto asker = [&](std::size_t i) {
+    return Asker(organ, motion, pieces_[i].round, pieces_[i].mesh);
+  };
   return contactOf(asker, shapes, organ_from_shapes, accuracy);
 }
 

@@ -37,6 +37,8 @@ struct Kernels {
   void (*follow)(Search& search, double step);
   /// Walks through two trees at once.
   void (*walkPairs)(PairSearch& search);
+  /// Looks at the pairs that are followed, after the surfaces have moved by at most `step`.
+  void (*followPairs)(PairSearch& search, double step);
   /// Takes over where its triangles are. REQUIRES: packet.lane_count; the other lanes of `corners`
   /// repeat some of those.
   PacketTally (*fill)(const PacketCorners& corners, const PlainUnitFrame& frame,

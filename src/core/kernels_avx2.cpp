@@ -6,6 +6,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {walk, follow, walkPairs, fill, enclose};
+const Kernels kAvx2Kernels = {walk, follow, walkPairs, followPairs, fill, enclose};
 
 }  // namespace organ_collision::core

@@ -6,6 +6,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx512Kernels = {walk, follow, walkPairs, fill, enclose};
+const Kernels kAvx512Kernels = {walk, follow, walkPairs, followPairs, fill, enclose};
 
 }  // namespace organ_collision::core

@@ -6,6 +6,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kBaselineKernels = {walk, follow, walkPairs, fill, enclose};
+const Kernels kBaselineKernels = {walk, follow, walkPairs, followPairs, fill, enclose};
 
 }  // namespace organ_collision::core

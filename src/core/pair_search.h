@@ -13,6 +13,15 @@ struct WaitingPair {
   std::uint32_t first, second;
 };
 
+/// The packets of two surfaces that may hold what is nearest while they move.
+struct FollowedPairs {
+  static constexpr std::uint32_t kMost = 512;
+  alignas(64) std::array<float, kMost> bounds = {};  ///< at least so far from each other
+  std::array<std::uint32_t, kMost> first, second;    ///< packets
+  std::uint32_t count = 0;
+  double clear;  ///< at least so far from each other are all others
+};
+
 /// What a search sees of a surface.
 struct SearchedTree {
   const WideNode* nodes;
@@ -40,6 +49,9 @@ struct PairSearch {
   void (*measure)(PairSearch& search, std::uint32_t leaf_of_first, std::uint32_t leaf_of_second);
   double best;                ///< the nearest two are not farther apart
   std::array<double, 3> way;  ///< between the nearest two measured: other pairs lie so, too
+
+  double slack;             ///< followed is what is farther than the best by this, too
+  FollowedPairs* followed;  ///< where to put the packets looked at, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
   std::uint32_t bounds, triangles;  ///< pairs of boxes and of triangles looked at

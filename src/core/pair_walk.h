@@ -222,13 +222,42 @@ class PairWalk {
     *top++ = {0.0F, 0, 0};
     while (top != bottom && search_.pairs_left > 0 && search_.best > 0.0) {
       const WaitingPair next = *--top;
-      if (static_cast<Real>(next.bound) > reach_) {
-        leaveOut(next.bound);
+      if (static_cast<Real>(next.bound) > reach_of_sets_) {
+        leaveOutSets(next.bound);
       } else {
         top = open(next, top);
       }
     }
-    while (top != bottom) leaveOut((--top)->bound);
+    while (top != bottom) leaveOutSets((--top)->bound);
+    leaveOutSets(leastOf(sets_left_out_));
+    finish();
+  }
+
+  /// The same over the pairs that are followed, with their bounds brought up to date.
+  void follow(float step) {
+    FollowedPairs& followed = *search_.followed;
+    // What rounding takes is less than what a bound is lowered by besides.
+    const Lanes<float> kept = Lanes<float>::all(1 - 4 * kRoundoff<float>);
+    for (std::uint32_t i = 0; i < followed.count; i += kLaneCount)
+      (kept * Lanes<float>::load(&followed.bounds[i]) - Lanes<float>::all(step))
+          .store(&followed.bounds[i]);
+    for (std::uint32_t i = 0; i < followed.count && search_.best > 0.0; ++i) {
+      if (followed.bounds[i] > reach_) continue;
+      followed.bounds[i] = inFloat(scan(search_.first.packets[followed.first[i]],
+                                        search_.second.packets[followed.second[i]]));
+    }
+    finish();
+  }
+
+ private:
+  void look() {
+    const double share = search_.best * search_.share;
+    const double less = search_.best - search_.allowance;
+    reach_ = static_cast<Real>(share < less ? share : less);
+    reach_of_sets_ = reach_ + static_cast<Real>(search_.slack);
+  }
+
+  void finish() {
     measureCandidates();
     if (promised_) measure(promised_pair_);
     leaveOut(leastOf(left_out_));
@@ -237,19 +266,31 @@ class PairWalk {
       search_.unopened = kInfinity;
   }
 
- private:
-  void look() {
-    const double share = search_.best * search_.share;
-    const double less = search_.best - search_.allowance;
-    reach_ = static_cast<Real>(share < less ? share : less);
+  /// To follow two packets whose nearest triangles are not nearer than `bound`.
+  void note(const WaitingPair& pair, Real bound) {
+    if (search_.followed == nullptr) return;
+    FollowedPairs& followed = *search_.followed;
+    if (followed.count < FollowedPairs::kMost && bound <= reach_of_sets_) {
+      followed.first[followed.count] = pair.first & ~kPacketBit;
+      followed.second[followed.count] = pair.second & ~kPacketBit;
+      followed.bounds[followed.count++] = inFloat(bound);
+    } else if (bound < followed.clear) {
+      followed.clear = bound;
+    }
   }
 
   void leaveOut(double bound) {
     if (bound < search_.unopened) search_.unopened = bound;
   }
 
-  void leaveOut(const Truth<Real>& those, const Lanes<Real>& bounds) {
-    left_out_ = smaller(left_out_, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
+  void leaveOutSets(double bound) {
+    leaveOut(bound);
+    if (search_.followed != nullptr && bound < search_.followed->clear)
+      search_.followed->clear = bound;
+  }
+  static Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
+                                  const Lanes<Real>& least) {
+    return smaller(least, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }
 
   /// What every bound gives away where sets of these radii are so far apart; see above.
@@ -274,7 +315,7 @@ class PairWalk {
     const OpenSet first(search_.first, pair.first);
     const OpenSet second(search_.second, pair.second);
     if (first.isPacket() && second.isPacket()) {
-      scan(first.packet(), second.packet());
+      note(pair, scan(first.packet(), second.packet()));
       return top;
     }
     constexpr double kMuchSmaller = 0.125;
@@ -305,8 +346,8 @@ class PairWalk {
     for (std::uint32_t i = begin; i < end; ++i) {
       if (!lanes.is_split) bounds[i] = Lanes<Real>::all(leastOf(bounds[i]));
       // Lanes that are not in use repeat others.
-      const Truth<Real> matter = bounds[i] <= Lanes<Real>::all(reach_);
-      leaveOut(!matter, bounds[i]);
+      const Truth<Real> matter = bounds[i] <= Lanes<Real>::all(reach_of_sets_);
+      sets_left_out_ = leastOfThose(!matter, bounds[i], sets_left_out_);
       Real bound[kLaneCount];
       bounds[i].store(bound);
       for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
@@ -389,14 +430,14 @@ class PairWalk {
     const Vector<Real> apart = theirs.middle() - ours.middle();
     const Lanes<Real> gaps = larger(gapsAlong(apart, ours, theirs),
                                     gapsAlong(vectorOf<Real>(search_.way), ours, theirs));
-    if (leastOf(gaps - rounding) > reach_) return gaps - rounding;
+    if (leastOf(gaps - rounding) > reach_of_sets_) return gaps - rounding;
     const Lanes<Real> square = larger(gapsAlong(ours.normalTowards(apart), ours, theirs),
                                       gapsAlong(theirs.normalTowards(apart), ours, theirs));
     return larger(gaps, square) - rounding;
   }
 
-  /// Looks at the triangles of two packets.
-  void scan(const TrianglePacket& first, const TrianglePacket& second) {
+  /// Looks at the triangles of two packets: none are nearer than what it returns.
+  Real scan(const TrianglePacket& first, const TrianglePacket& second) {
     const Vector<Real> offset = offsetOf(first, second);
     LaneTriangles<Real> ours = turned(first);
     ours.a = ours.a + everywhere(offset);
@@ -404,26 +445,31 @@ class PairWalk {
     const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset));
     const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
-    leaveOut(!matter, bounds);  // lanes that are not in use repeat others
+    // Lanes that are not in use repeat others.
+    Real least = leastOf(select(matter, Lanes<Real>::all(Real{kFloatInfinity}), bounds));
+    leaveOut(least);
     const std::uint32_t used = (1U << first.lane_count) - 1;
-    if ((used & matter.bits()) == 0) return;
+    if ((used & matter.bits()) == 0) return least;
     const LaneFaces<Real> faces(theirs);
     for (std::uint32_t rest = used & matter.bits(); rest != 0; rest &= rest - 1) {
       const std::uint32_t i = lowestBit(rest);
       const Vector<Real> a = laneOf(ours.a, i);
       const Vector<Real> tip[3] = {a, a + laneOf(ours.ab, i), a + laneOf(ours.ac, i)};
       const Real beside = leastOf(faces.gapsTo(tip)) - rounding;
-      const Real bound = beside > bounds[i] ? beside : bounds[i];
+      Real bound = beside > bounds[i] ? beside : bounds[i];
       if (bound > reach_ || search_.pairs_left == 0) {
         leaveOut(bound);
-        continue;
+      } else {
+        bound = scan(first.first_leaf + i, second, gapToTriangles(tip, second), rounding);
       }
-      scan(first.first_leaf + i, second, gapToTriangles(tip, second), rounding);
+      least = bound < least ? bound : least;
     }
+    return least;
   }
 
-  /// Looks at a triangle of the first surface and those of a packet of the second.
-  void scan(std::uint32_t leaf_of_first, const TrianglePacket& second, const Gap<Real>& gap,
+  /// Looks at a triangle of the first surface and those of a packet of the second: none are nearer
+  /// than what it returns.
+  Real scan(std::uint32_t leaf_of_first, const TrianglePacket& second, const Gap<Real>& gap,
             Real rounding) {
     const Lanes<Real> bounds = gap.low - Lanes<Real>::all(rounding);
     const std::uint32_t looked_at =
@@ -446,7 +492,7 @@ class PairWalk {
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
     const Truth<Real> used =
         Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(second.lane_count) - 1);
-    leaveOut(used & !matter, bounds);
+    left_out_ = leastOfThose(used & !matter, bounds, left_out_);
     Real bound[kLaneCount];
     bounds.store(bound);
     bool may_meet = false;
@@ -457,6 +503,7 @@ class PairWalk {
       may_meet = may_meet || bound[lane] <= 0;
     }
     if (may_meet) measureCandidates();  // then nothing else matters
+    return leastOf(select(used, bounds, infinite));
   }
 
   /// Measures exactly what still may be nearest.
@@ -479,8 +526,10 @@ class PairWalk {
   }
 
   PairSearch& search_;
-  Real reach_;                                                     // what is farther is left out
-  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of that
+  Real reach_;          // what is farther is left out
+  Real reach_of_sets_;  // sets with that
+  Lanes<Real> sets_left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of them
+  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});       // the nearest triangles
   Candidates<PairCandidate> candidates_;
   const TrianglePacket* turned_packet_ = nullptr;
   LaneTriangles<Real> turned_;
@@ -488,17 +537,30 @@ class PairWalk {
   PairCandidate promised_pair_ = {};
 };
 
-inline void walkPairs(PairSearch& search) {
+inline bool isNear(const PairSearch& search) {
   constexpr double kFarSeenFromFirst = 0x1p40;  // squares do not overflow in single precision
-  bool near = true;
   for (int axis = 0; axis < 3; ++axis) {
-    near = near && magnitudeOf(search.second_from_first.offset[axis]) < kFar &&
-           magnitudeOf(search.first_from_second.offset[axis]) < kFarSeenFromFirst;
+    if (!(magnitudeOf(search.second_from_first.offset[axis]) < kFar) ||
+        !(magnitudeOf(search.first_from_second.offset[axis]) < kFarSeenFromFirst))
+      return false;
   }
-  if (near) {
+  return true;
+}
+
+inline void walkPairs(PairSearch& search) {
+  if (isNear(search)) {
     PairWalk<float>(search).run();
   } else {
     PairWalk<double>(search).run();
+  }
+}
+
+inline void followPairs(PairSearch& search, double step) {
+  const auto most = static_cast<float>(step * (1.0 + 0x1p-20) + 0x1p-100);
+  if (isNear(search)) {
+    PairWalk<float>(search).follow(most);
+  } else {
+    PairWalk<double>(search).follow(most);
   }
 }
 

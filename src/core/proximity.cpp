@@ -62,9 +62,7 @@ Proximity roundToMesh(const Shape& round, const RigidMesh& mesh, const Accuracy&
   return toMesh(found.nearest, roundShape(round)->radius, found.colliding_certain, mesh.pose);
 }
 
-Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const Accuracy& accuracy) {
-  const NearestPair pair =
-      nearestPair(*first.surface, second.pose.inverse() * first.pose, *second.surface, accuracy);
+Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const NearestPair& pair) {
   const bool solids = first.surface->health().isSolid() || second.surface->health().isSolid();
   const bool certain = pair.nearest.distance <= 0.0 || (pair.nearest.lower_bound > 0.0 &&
                                                         (pair.nearest.distance_signed || !solids));
@@ -73,18 +71,46 @@ Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const A
   return proximity;
 }
 
-}  // namespace
-
-Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy) {
+/// `nearest_pair(second_from_first)` finds those of two meshes.
+template <class FindPair>
+Proximity between(const Shape& first, const Shape& second, const Accuracy& accuracy,
+                  const FindPair& nearest_pair) {
   requireUsable(first);
   requireUsable(second);
   const auto* first_mesh = std::get_if<RigidMesh>(&first);
   const auto* second_mesh = std::get_if<RigidMesh>(&second);
-  if (first_mesh != nullptr && second_mesh != nullptr)
-    return betweenMeshes(*first_mesh, *second_mesh, accuracy);
+  if (first_mesh != nullptr && second_mesh != nullptr) {
+    return betweenMeshes(
+        *first_mesh, *second_mesh,
+        nearest_pair(*first_mesh, second_mesh->pose.inverse() * first_mesh->pose, *second_mesh));
+  }
   if (second_mesh != nullptr) return roundToMesh(first, *second_mesh, accuracy);
   if (first_mesh != nullptr) return swapped(roundToMesh(second, *first_mesh, accuracy));
   return betweenRounds(*roundShape(first), *roundShape(second));
+}
+
+}  // namespace
+
+Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy) {
+  return between(
+      first, second, accuracy,
+      [&](const RigidMesh& one, const Isometry3d& other_from_one, const RigidMesh& other) {
+        return nearestPair(*one.surface, other_from_one, *other.surface, accuracy);
+      });
+}
+
+Proximity ProximityTracker::proximity(const Shape& first, const MeshMotion& motion_of_first,
+                                      const Shape& second, const MeshMotion& motion_of_second,
+                                      const Accuracy& accuracy) {
+  // Who asks for a number of leaves is to get what they find, not more.
+  if (accuracy.max_leaves != 0) return core::proximity(first, second, accuracy);
+  requireUsable(accuracy);
+  return between(
+      first, second, accuracy,
+      [&](const RigidMesh& one, const Isometry3d& other_from_one, const RigidMesh& other) {
+        return pair_.nearestPair(*one.surface, motion_of_first, other_from_one, *other.surface,
+                                 motion_of_second);
+      });
 }
 
 Proximity swapped(const Proximity& proximity) {

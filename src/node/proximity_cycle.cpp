@@ -13,8 +13,7 @@ namespace organ_collision::node {
 namespace {
 
 /// The organ as a shape, in its own frame.
-core::RigidMesh shapeOf(const Organ& organ) {
-  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+core::RigidMesh shapeOf(const std::shared_ptr<const OrganSnapshot>& snapshot) {
   return {{snapshot, &snapshot->organ}, Eigen::Isometry3d::Identity()};
 }
 
@@ -59,7 +58,7 @@ bool ProximityCycle::lookUp() {
   return news;
 }
 
-Proximity ProximityCycle::measure(const Tracked& tracked, const core::Accuracy& accuracy) const {
+Proximity ProximityCycle::measure(Tracked& tracked, const core::Accuracy& accuracy) const {
   const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
   const auto& [of, first, second] = tracked.pair;
   if (of == io::LikePair::Of::kInstruments) {
@@ -70,10 +69,14 @@ Proximity ProximityCycle::measure(const Tracked& tracked, const core::Accuracy& 
                      [&] { return convex::toolProximity(shapes, pose, others, accuracy); });
   }
   // Each taken once: the versions that are measured are those whose boxes are compared.
-  const core::Shape organ = core::transformed(shapeOf(*organs_[first]), pose);
-  const core::Shape other = shapeOf(*organs_[second]);
-  return unlessFar(tracked, core::boxOf(organ), core::boxOf(other),
-                   [&] { return core::proximity(organ, other, accuracy); });
+  const auto snapshot = organs_[first]->snapshot();
+  const auto other_snapshot = organs_[second]->snapshot();
+  const core::Shape organ = core::transformed(shapeOf(snapshot), pose);
+  const core::Shape other = shapeOf(other_snapshot);
+  return unlessFar(tracked, core::boxOf(organ), core::boxOf(other), [&] {
+    return tracked.tracker.proximity(organ, snapshot->motion(), other, other_snapshot->motion(),
+                                     accuracy);
+  });
 }
 
 template <class Measure>
@@ -86,7 +89,7 @@ Proximity ProximityCycle::unlessFar(const Tracked& tracked, const core::Box& fir
   return toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
 }
 
-Proximity ProximityCycle::proximityOf(const Tracked& tracked, const ros::Time& now,
+Proximity ProximityCycle::proximityOf(Tracked& tracked, const ros::Time& now,
                                       const core::Accuracy& accuracy) const {
   Proximity message = unknown(0.0);
   message.status = Contact::NO_POSE;
@@ -103,12 +106,11 @@ Proximity ProximityCycle::proximityOf(const Tracked& tracked, const ros::Time& n
   return message;
 }
 
-ProximityArray ProximityCycle::proximities(const ros::Time& now,
-                                           const core::Accuracy& accuracy) const {
+ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Accuracy& accuracy) {
   const auto start = std::chrono::steady_clock::now();
   ProximityArray array;
   array.header.frame_id = scene_.frame;
-  for (const Tracked& tracked : tracked_) {
+  for (Tracked& tracked : tracked_) {
     array.proximities.push_back(proximityOf(tracked, now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);
   }

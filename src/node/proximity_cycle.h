@@ -28,7 +28,7 @@ class ProximityCycle {
   bool lookUp();
 
   /// The proximities of all pairs for the poses last looked up, in the scene's frame.
-  ProximityArray proximities(const ros::Time& now, const core::Accuracy& accuracy) const;
+  ProximityArray proximities(const ros::Time& now, const core::Accuracy& accuracy);
 
   /// What is wrong with a pair's pose; empty if nothing is.
   std::vector<Complaint> complaints(const ros::Time& now) const;
@@ -38,12 +38,13 @@ class ProximityCycle {
     io::LikePair pair;
     PairPose pose;
     std::array<std::uint32_t, 2> versions{};  // of the organs when last looked
+    core::ProximityTracker tracker = {};      // of organs
   };
 
   const std::string& nameOf(io::LikePair::Of of, std::size_t i) const;
-  Proximity proximityOf(const Tracked& tracked, const ros::Time& now,
+  Proximity proximityOf(Tracked& tracked, const ros::Time& now,
                         const core::Accuracy& accuracy) const;
-  Proximity measure(const Tracked& tracked, const core::Accuracy& accuracy) const;
+  Proximity measure(Tracked& tracked, const core::Accuracy& accuracy) const;
   /// What `measure` finds, unless the boxes or that are farther apart than the scene looks.
   template <class Measure>
   Proximity unlessFar(const Tracked& tracked, const core::Box& first, const core::Box& second,

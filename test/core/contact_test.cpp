@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <vector>
@@ -189,7 +190,9 @@ TEST(Contact, RefusesShapesThatAreNotUsable) {
 TEST(ContactTracker, FollowsAllPiecesAsIfItAskedAnew) {
   const CollisionMesh organ(test::blob(4));
   const Shapes shapes = {Vector3d(0, 0, 0.02), Sphere{{0, 0, 0.01}, 0.01},
-                         Capsule{{0, 0, 0}, {0, 0, 0.2}, 0.004}, tipAt({0, 0.01, 0})};
+                         Capsule{{0, 0, 0}, {0, 0, 0.2}, 0.004}, tipAt({0, 0.01, 0}),
+                         RigidMesh{std::make_shared<const CollisionMesh>(test::cube(0.01)),
+                                   Eigen::Isometry3d(Eigen::Translation3d(0, 0.02, 0))}};
   ContactTracker tracker;
   std::mt19937 generator(35);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();

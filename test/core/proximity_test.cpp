@@ -162,5 +162,34 @@ TEST(Proximity, MovingBothChangesNothingButRounding) {
   }
 }
 
+TEST(ProximityTracker, FollowsAsIfItAskedAnew) {
+  const auto mesh = std::make_shared<const CollisionMesh>(test::blob(3));
+  const Capsule capsule{{0, 0, 0}, {0, 0, 0.1}, 0.01};
+  ProximityTracker of_meshes;
+  ProximityTracker of_a_mesh;
+  std::mt19937 generator(93);
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = Vector3d(0.2, 0.1, 0.1);
+  std::size_t apart = 0;
+  for (std::size_t i = 0; i < queryCount(300); ++i) {
+    pose.translation() += test::randomPoint(generator, 0.004);
+    for (const Accuracy& accuracy : {Accuracy::exact(), Accuracy::greedy()}) {
+      const RigidMesh first = {mesh, pose};
+      const RigidMesh second = {mesh, Isometry3d::Identity()};
+      const Proximity followed = of_meshes.proximity(first, {}, second, {}, accuracy);
+      const Proximity asked = proximity(first, second, accuracy);
+      ASSERT_EQ(followed.distance, asked.distance);
+      ASSERT_EQ(followed.lower_bound, asked.lower_bound);
+      ASSERT_EQ(followed.point_on_first, asked.point_on_first);
+      ASSERT_EQ(followed.triangle_of_first, asked.triangle_of_first);
+      ASSERT_EQ(followed.colliding_certain, asked.colliding_certain);
+      apart += asked.distance > 0.0 ? 1 : 0;
+      ASSERT_EQ(of_a_mesh.proximity(capsule, {}, first, {}, accuracy).distance,
+                proximity(capsule, first, accuracy).distance);
+    }
+  }
+  EXPECT_GT(apart, 0U);
+}
+
 }  // namespace
 }  // namespace organ_collision::core

@@ -5,6 +5,7 @@
 
 #include "organ_collision/core/instrument.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/pair_tracking.h"
 #include "organ_collision/core/tracking.h"
 
 namespace organ_collision::core {
@@ -37,13 +38,17 @@ Contact contact(const CollisionMesh& organ, const Shapes& shapes,
 class ContactTracker {
  public:
   /// The same as the function of that name gives, each time from what the last one learnt. Answers
-  /// are exact where `accuracy` limits errors only, but for meshes, which are not followed. `organ`
-  /// is at `motion`.
+  /// are exact where `accuracy` limits errors only. `organ` is at `motion`.
   Contact contact(const CollisionMesh& organ, const MeshMotion& motion, const Shapes& shapes,
                   const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
  private:
-  std::vector<Tracker> trackers_;  // of the pieces
+  /// Of a piece.
+  struct Followed {
+    Tracker round;
+    PairTracker mesh;
+  };
+  std::vector<Followed> pieces_;
 };
 
 }  // namespace organ_collision::core

@@ -5,6 +5,7 @@
 
 #include "organ_collision/core/instrument.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/pair_tracking.h"
 
 namespace organ_collision::core {
 
@@ -26,6 +27,18 @@ struct Proximity {
 /// nearestPair() does: 0 where the surfaces meet. Swapped shapes swap the points and turn the
 /// normal. Throws as requireUsable() does.
 Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy = {});
+
+/// Follows two meshes; all else is asked anew.
+class ProximityTracker {
+ public:
+  /// The same as the function of that name gives, each time from what the last one learnt; of two
+  /// meshes exact where `accuracy` limits errors only. They are at their motions.
+  Proximity proximity(const Shape& first, const MeshMotion& motion_of_first, const Shape& second,
+                      const MeshMotion& motion_of_second, const Accuracy& accuracy = {});
+
+ private:
+  PairTracker pair_;
+};
 
 /// The same, told of (second, first).
 Proximity swapped(const Proximity& proximity);

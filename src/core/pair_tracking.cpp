@@ -1,0 +1,166 @@
+#include "organ_collision/core/pair_tracking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/nearest_pair_search.h"
+
+namespace organ_collision::core {
+
+/// Of the last query.
+struct PairTracker::Memory {
+  FollowedPairs followed;  // in the second's unit frame
+  bool knows_pair = false;
+  FarthestPairTree::Leaf leaf_of_first = 0, leaf_of_second = 0;  // the nearest
+  Eigen::Isometry3d pose;                                        // second_from_first
+  MeshMotion motion_of_first, motion_of_second;
+  double scale = 0.0;  // of the second's unit frame
+  double slack = 0.0;  // what is farther than the nearest by this is to be followed
+};
+
+namespace {
+
+/// As many pairs are followed as cost little to keep, and seldom leave too little clear.
+constexpr std::uint32_t kFewPairs = 160;
+constexpr std::uint32_t kManyPairs = 320;
+constexpr double kSlackStep = 1.25;
+/// Sizes of a triangle, of those that would fill the second's box, at first.
+constexpr double kFirstSlack = 0.125;
+/// Steps that what is followed must last for, to be worth it.
+constexpr double kWorthSteps = 4.0;
+
+template <class Memory>
+class TrackedPairSearch : private NearestPairSearch {
+ public:
+  TrackedPairSearch(const CollisionMesh& first_surface, const MeshMotion& motion_of_first,
+                    const Eigen::Isometry3d& pose, const CollisionMesh& second_surface,
+                    const MeshMotion& motion_of_second, Memory& memory)
+      : NearestPairSearch(first_surface, pose, second_surface, kExact),
+        motion_of_first_(motion_of_first),
+        motion_of_second_(motion_of_second),
+        memory_(memory) {}
+
+  /// Nothing where the surfaces meet, or are too far apart to tell triangles apart.
+  std::optional<NearestPair> run() {
+    if (isTooFar()) return std::nullopt;
+    if (knowsPair()) {
+      const double step = this->step();
+      measure(memory_.leaf_of_first, memory_.leaf_of_second);
+      if (!follow(step)) walk(step);
+    } else {
+      measureGreedily();
+      memory_.slack = kFirstSlack / std::sqrt(static_cast<double>(second_.mesh().triangleCount()));
+      walk(0.0);
+    }
+    if (!(best > 0.0)) return std::nullopt;
+    remember();
+    return answer();
+  }
+
+ private:
+  static constexpr Accuracy kExact = {};
+
+  /// Whether it still is what it was.
+  bool knowsPair() const {
+    return memory_.knows_pair && memory_.motion_of_first.build == motion_of_first_.build &&
+           memory_.motion_of_second.build == motion_of_second_.build &&
+           memory_.motion_of_first.travel <= motion_of_first_.travel &&
+           memory_.motion_of_second.travel <= motion_of_second_.travel &&
+           memory_.scale == second_.wideTree().frame().scale;
+  }
+
+  static double travelSince(const MeshMotion& before, const MeshMotion& now) {
+    constexpr double kRoundoff = 0x1p-53;
+    return now.travel == before.travel ? 0.0
+                                       : now.travel - before.travel + 4 * kRoundoff * now.travel;
+  }
+
+  /// How far the surfaces have moved towards each other at most, in the second's unit frame: no
+  /// point of a box moves farther than all its corners.
+  double step() const {
+    constexpr double kRounding = 1.0 + 0x1p-40;
+    const Box& box = first_.health().box;
+    double farthest = 0.0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d at((corner & 1U) != 0 ? box.high.x() : box.low.x(),
+                               (corner & 2U) != 0 ? box.high.y() : box.low.y(),
+                               (corner & 4U) != 0 ? box.high.z() : box.low.z());
+      farthest = std::max(farthest, (pose_ * at - memory_.pose * at).norm());
+    }
+    constexpr double kStretch = 1.0 + 0x1p-4;  // see requireRigid()
+    const double travel = kStretch * travelSince(memory_.motion_of_first, motion_of_first_) +
+                          travelSince(memory_.motion_of_second, motion_of_second_);
+    // Where the corners are is off by as much as where triangles are, before and after.
+    return (farthest + travel) * kRounding * memory_.scale + 4 * rounding;
+  }
+
+  /// Whether the pairs that are followed are enough.
+  bool follow(double step) {
+    double& clear = memory_.followed.clear;
+    clear = (1.0 - 0x1p-50) * clear - step;
+    if (!(best < clear)) return false;
+    followed = &memory_.followed;
+    kernels().followPairs(*this, step);
+    bounds += memory_.followed.count;
+    return true;
+  }
+
+  void walk(double step) {
+    FollowedPairs& near = memory_.followed;
+    near.count = 0;
+    near.clear = unopened = std::numeric_limits<double>::infinity();
+    if (best > 0.0) measureToAndFro();
+    const bool is_worth_it = memory_.slack > kWorthSteps * step;
+    followed = is_worth_it ? &near : nullptr;
+    slack = is_worth_it ? memory_.slack : 0.0;
+    kernels().walkPairs(*this);
+    if (!is_worth_it) {
+      near.clear = 0.0;
+    } else if (near.count < kFewPairs) {
+      memory_.slack *= kSlackStep;
+    } else if (near.count > kManyPairs) {
+      memory_.slack /= kSlackStep;
+    }
+  }
+
+  void remember() {
+    memory_.knows_pair = true;
+    memory_.leaf_of_first = best_leaves_.first;
+    memory_.leaf_of_second = best_leaves_.second;
+    memory_.pose = pose_;
+    memory_.motion_of_first = motion_of_first_;
+    memory_.motion_of_second = motion_of_second_;
+    memory_.scale = second_.wideTree().frame().scale;
+  }
+
+  const MeshMotion& motion_of_first_;
+  const MeshMotion& motion_of_second_;
+  Memory& memory_;
+};
+
+}  // namespace
+
+PairTracker::PairTracker() = default;
+PairTracker::~PairTracker() = default;
+PairTracker::PairTracker(PairTracker&&) noexcept = default;
+PairTracker& PairTracker::operator=(PairTracker&&) noexcept = default;
+
+NearestPair PairTracker::nearestPair(const CollisionMesh& first, const MeshMotion& motion_of_first,
+                                     const Eigen::Isometry3d& second_from_first,
+                                     const CollisionMesh& second,
+                                     const MeshMotion& motion_of_second) {
+  requireRigid(second_from_first);
+  if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
+  const std::optional<NearestPair> pair =
+      TrackedPairSearch(first, motion_of_first, second_from_first, second, motion_of_second,
+                        *memory_)
+          .run();
+  memory_->knows_pair = pair.has_value();
+  // Of all triangles that meet a search names any.
+  if (!pair) return core::nearestPair(first, second_from_first, second);
+  return withSign(first, second_from_first, second, *pair);
+}
+
+}  // namespace organ_collision::core
