@@ -84,20 +84,26 @@ const Workload kCrossing = {"turned anyhow, through it",
                                      Eigen::Translation3d(0, 0, -uniform(random, 0.0, 0.2));
                             }};
 
-/// Around the organ: a turn, near and far, as an instrument in a hand, at most some tenths of a
-/// millimetre a step.
-std::vector<Isometry3d> motion(const CollisionMesh& organ, int steps, double nearest,
-                               double farthest) {
+/// A part of a turn around the organ, near and far, as an instrument in a hand.
+struct Motion {
+  const char* name;
+  double nearest, farthest;  ///< [m] from the surface
+  double step;               ///< [m] a pose, about
+};
+
+std::vector<Isometry3d> posesOf(const Motion& motion, const CollisionMesh& organ, int steps) {
+  constexpr double kReach = 0.3;  // [m] of a turn's radius, waves included
   const core::Box& box = organ.health().box;
   const Vector3d centre = 0.5 * (box.low + box.high);
   std::vector<Isometry3d> poses;
   for (int i = 0; i < steps; ++i) {
-    const double turn = 6.28 * i / steps;
+    const double turn = 1.0 + i * motion.step / kReach;
     const Vector3d from =
         Vector3d(std::cos(turn), std::sin(turn), 0.8 * std::sin(2 * turn)).normalized();
-    const auto there = core::nearestTriangle(organ, centre + kDiagonal * from);
-    const double height = nearest + (farthest - nearest) * 0.5 * (1.0 - std::cos(7 * turn));
-    const Vector3d place = there.closest.point + height * from;
+    const auto surface = core::nearestTriangle(organ, centre + kDiagonal * from).closest.point;
+    const double height =
+        motion.nearest + (motion.farthest - motion.nearest) * 0.5 * (1.0 - std::cos(7 * turn));
+    const Vector3d place = centre + ((surface - centre).norm() + height) * from;
     poses.push_back(Eigen::Translation3d(place) *
                     Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), from) *
                     Isometry3d(Eigen::AngleAxisd(3 * turn, Vector3d(1, 2, 3).normalized())));
@@ -144,7 +150,7 @@ void print(const char* name, std::vector<double> times) {
   double sum = 0.0;
   for (const double time : times) sum += time;
   std::sort(times.begin(), times.end());
-  std::printf("  %-44s %8.0f %8.0f %8.0f\n", name,
+  std::printf("  %-48s %8.0f %8.0f %8.0f\n", name,
               kMicroseconds * sum / static_cast<double>(times.size()),
               kMicroseconds * times[times.size() * 99 / 100], kMicroseconds * times.back());
 }
@@ -152,14 +158,14 @@ void print(const char* name, std::vector<double> times) {
 void compareShaftWithPoint(const CollisionMesh& organ, int count) {
   const core::Capsule shaft{{0, 0, 0}, {0, 0, 0.2}, 0.0025};
   const Vector3d tip(0, 0, 0);
-  std::printf("  shaft of 20 cm, us:                           a point  a shaft  ratio\n");
+  std::printf("  shaft of 20 cm, us:                               a point  a shaft  ratio\n");
   for (const Workload& workload : {kPointing, kLying, kFar, kEntering, kCrossing}) {
     const std::vector<Isometry3d> poses = posesOf(workload, organ, count);
     const double point =
         meanOf(poses, [&](const Isometry3d& pose) { core::contact(organ, {tip}, pose); });
     const double capsule =
         meanOf(poses, [&](const Isometry3d& pose) { core::contact(organ, {shaft}, pose); });
-    std::printf("  %-44s %8.2f %8.2f %6.2f\n", workload.name, kMicroseconds * point,
+    std::printf("  %-48s %8.2f %8.2f %6.2f\n", workload.name, kMicroseconds * point,
                 kMicroseconds * capsule, capsule / point);
   }
 }
@@ -168,25 +174,26 @@ void measureJaw(const CollisionMesh& organ, int count) {
   const Shapes jaw = {core::RigidMesh{std::make_shared<const CollisionMesh>(
                                           io::loadMesh(std::filesystem::path(MESHES) / "jaw.obj")),
                                       Isometry3d::Identity()}};
-  std::printf("  jaw of 980 triangles, us:                        mean  99 of 100  worst\n");
+  std::printf("  jaw of 980 triangles, us:                              mean   99 %%   worst\n");
   const auto ask = [&](const Isometry3d& pose) { core::contact(organ, jaw, pose); };
   for (const Workload& workload : {kPointing, kFar, kEntering})
     print(workload.name, timesOf(
                              posesOf(workload, organ, count), [] {}, ask));
-  const auto followed = [&](const char* name, double nearest, double farthest) {
+  for (const Motion& motion :
+       {Motion{"2 mm to 3 cm above, 0.02 mm a step", 0.002, 0.03, 0.00002},
+        Motion{"2 mm to 3 cm above, 0.2 mm a step", 0.002, 0.03, 0.0002},
+        Motion{"5 to 20 cm above, 0.02 mm a step", 0.05, 0.2, 0.00002},
+        Motion{"5 to 20 cm above, 0.2 mm a step", 0.05, 0.2, 0.0002},
+        Motion{"1 cm inside to 1 cm above, 0.2 mm a step", -0.01, 0.01, 0.0002}}) {
+    const std::vector<Isometry3d> poses = posesOf(motion, organ, kStepsOfAPose * count);
+    print((std::string(motion.name) + ", anew").c_str(), timesOf(
+                                                             poses, [] {}, ask));
     core::ContactTracker tracker;
-    const std::vector<Isometry3d> poses = motion(organ, kStepsOfAPose * count, nearest, farthest);
-    print((std::string(name) + ", asked anew").c_str(), timesOf(
-                                                            poses, [] {}, ask));
-    auto times = timesOf(
+    const auto times = timesOf(
         poses, [&] { tracker = core::ContactTracker(); },
         [&](const Isometry3d& pose) { tracker.contact(organ, {}, jaw, pose); });
-    times.erase(times.begin());  // anew
-    print((std::string(name) + ", followed").c_str(), times);
-  };
-  followed("moving 0 to 3 cm above", 0.0, 0.03);
-  followed("moving 5 to 20 cm above", 0.05, 0.2);
-  followed("moving from 1 cm inside to 1 cm above", -0.01, 0.01);
+    print("  followed", {times.begin() + 1, times.end()});  // the first is anew
+  }
 }
 
 core::TriangleMesh scaled(const core::TriangleMesh& mesh) {
