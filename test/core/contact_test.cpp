@@ -295,6 +295,21 @@ TEST(Contact, OfRoundShapesEqualsBruteForceBitForBit) {
   }
 }
 
+/// Of many parts that are as good as equally far none may be left out for a rounded one.
+TEST(Contact, OfPointsFarFromTheSmallestPartsEqualsBruteForceBitForBit) {
+  std::mt19937 generator(86);
+  for (std::size_t i = 0; i < test::queryCount(300); ++i) {
+    const Eigen::Isometry3d pose = test::randomPose(generator, 1.0);
+    Points positions = test::halvings(30).positions();  // from 1 m on towards the origin
+    for (Vector3d& position : positions) position = pose * position;
+    const CollisionMesh organ({positions, test::halvings(30).triangles()});
+    const double far = std::ldexp(1.0, static_cast<int>(generator() % 20));
+    const Vector3d tip = pose * (far * (Vector3d(-2, 0, 0) + test::randomPoint(generator, 1.0)));
+    ASSERT_EQ(std::abs(contact(organ, tip).nearest.distance),
+              std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
+  }
+}
+
 TEST(Contact, OfAnAxisThatMeetsSeveralTrianglesNamesTheFirstInTheHierarchysOrder) {
   std::mt19937 generator(83);
   std::size_t meeting = 0;
