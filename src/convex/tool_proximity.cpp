@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace organ_collision::convex {
@@ -105,14 +106,21 @@ double gapAlong(const Vector3d& unit, const Hull& first, const Hull& second) {
   return unit.dot(farthest(second, -unit) - farthest(first, unit));
 }
 
+constexpr double kProven = 1e-9;  // of the size 1
+
+/// By how much the hulls may be nearer or deeper than was found.
+double leftOpen(const Found& found, const Hull& first, const Hull& second) {
+  const Vector3d apart = (found.distance > 0.0 ? 1.0 : -1.0) * (found.on_second - found.on_first);
+  return found.distance - gapAlong(apart.stableNormalized(), first, second);
+}
+
 /// By GJK; nothing unless the hulls are apart. FCL's ends too early in one of some hundred pairs,
 /// where its simplex has become flat: it starts anew from there until the gap proves the distance.
 /// FCL's other GJK, that on libccd, takes a corner that is as far as the last for the end of the
 /// search, so aligned boxes stop it each time.
 std::optional<Found> separated(const Hull& first, const Hull& second) {
   constexpr double kPrecision = 1e-12;  // relative, of the distance
-  constexpr double kProven = 1e-9;      // of the size 1
-  constexpr int kAttempts = 8;
+  constexpr int kAttempts = 32;
   const fcl::Convexd first_convex = convexOf(first);
   const fcl::Convexd second_convex = convexOf(second);
   fcl::detail::MinkowskiDiff<double> difference;
@@ -129,13 +137,16 @@ std::optional<Found> separated(const Hull& first, const Hull& second) {
     if (!best || found.distance < best->distance) best = found;
     const Vector3d apart = best->on_second - best->on_first;
     if (apart.isZero(0.0)) return std::nullopt;
-    if (best->distance - gapAlong(apart.stableNormalized(), first, second) <= kProven) return best;
-    guess = attempt % 2 == 0 ? Vector3d(-apart) : Vector3d::Unit(attempt % 3);
+    if (leftOpen(*best, first, second) <= kProven) return best;
+    // From there, or from more and more nearly there.
+    guess = -apart;
+    if (attempt % 2 != 0)
+      guess = Vector3d::Unit(attempt % 3) - 0.125 * attempt * apart.stableNormalized();
   }
   return best;
 }
 
-/// By EPA; nothing unless the hulls overlap.
+/// By EPA; nothing unless it finds that the hulls overlap.
 std::optional<Found> overlapping(Hull first, Hull second) {
   constexpr double kPrecision = 1e-10;  // of the size 1
   Found found{};
@@ -149,9 +160,26 @@ std::optional<Found> overlapping(Hull first, Hull second) {
   return found;
 }
 
+Found swapped(Found found) {
+  std::swap(found.on_first, found.on_second);
+  return found;
+}
+
+/// GJK takes some in a hundred thousand pairs that overlap to be apart, and EPA ends too early for
+/// as many: each is asked, EPA of the swapped pair too, until the gap proves the answer.
 std::optional<Found> ask(const Hull& first, const Hull& second) {
-  const std::optional<Found> found = separated(first, second);
-  return found ? found : overlapping(first, second);
+  std::optional<Found> best = separated(first, second);
+  const auto is_proven = [&] { return best && leftOpen(*best, first, second) <= kProven; };
+  const auto consider = [&](const std::optional<Found>& other) {
+    if (!other) return;
+    if (!best || leftOpen(*other, first, second) < leftOpen(*best, first, second)) best = other;
+  };
+  if (!is_proven()) consider(overlapping(first, second));
+  if (!is_proven()) {
+    const std::optional<Found> other = overlapping(second, first);
+    if (other) consider(swapped(*other));
+  }
+  return best;
 }
 
 }  // namespace

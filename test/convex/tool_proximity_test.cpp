@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "core/organs_and_tips.h"
 #include "io/primitive_mesh.h"
@@ -134,6 +136,40 @@ TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
     if (there->distance < 0.01 * kSize) continue;  // overlapping: there may be two ways out
     ASSERT_NEAR((there->normal + back->normal).norm(), 0.0,
                 1e-2);  // kGjk over the distance, its root
+  }
+}
+
+Isometry3d posed(const Eigen::Matrix<double, 3, 4>& rows) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.matrix().topRows<3>() = rows;
+  return pose;
+}
+
+/// Of a hundred thousand random pairs those for which FCL's GJK and its EPA ended too early.
+TEST(HullProximity, IsProvenWhereGjkAndEpaEndTooEarly) {
+  Eigen::Matrix<double, 3, 4> first;
+  first << -0.23914759348103798, 0.3166256288477603, 0.91790884062034661, -0.28621546931968611,
+      0.9708923176991886, 0.065039990793976599, 0.23051660901162385, -0.49576562475062175,
+      0.013286683744501926, 0.94631813400900244, -0.32296354791337306, 0.13764815501427308;
+  Eigen::Matrix<double, 3, 4> second;
+  second << -0.057851523840735664, 0.89233280931477543, 0.44765540163132778, -0.15895694156982604,
+      0.51043224646793217, 0.41180297111786379, -0.75490213587206134, 0.025696316443356459,
+      -0.85796976808918213, 0.1848255133873582, -0.47929886985689263, -0.16962131419822163;
+  Eigen::Matrix<double, 3, 4> third;
+  third << 0.97552888639128754, 0.020101838903566278, -0.21895046903094223, -0.055933007837591642,
+      -0.027238084016208298, 0.99918995253680321, -0.029623057381487329, 0.47829317679353167,
+      0.21817763083162423, 0.034861939449720554, 0.97528619726852672, -0.27827742789039811;
+  const Capsule through{{-0.041658367850324896, 0.45287476391606052, -0.31066301461764434},
+                        {0.13950724686418486, 0.31072036448364032, -0.2133431976885023},
+                        0.0625};
+  const std::vector<std::pair<Shape, Shape>> pairs = {
+      {cylinder(0.125, 0.5, posed(first)), cylinder(0.125, 0.5, posed(second))},
+      {through, box({0.25, 0.125, 0.0625}, posed(third))}};
+  for (const auto& [one, other] : pairs) {
+    for (const auto& found : {hullProximity(one, other), hullProximity(other, one)}) {
+      ASSERT_TRUE(found.has_value());
+      EXPECT_NEAR(found->lower_bound, found->upper_bound, kGjk);
+    }
   }
 }
 
