@@ -24,19 +24,15 @@ bool isOnFace(const Eigen::Vector3d& point, const Box& box) {
 CollisionMesh::CollisionMesh(TriangleMesh mesh)
     : mesh_(std::move(mesh)),
       topology_(std::make_shared<const MeshTopology>(mesh_)),
-      frame_(unitFrame(boxOf(mesh_))),
-      tally_(core::tallyOf(mesh_, *topology_, frame_)),
-      health_(healthOf(*topology_, boxOf(mesh_), tally_)),
-      tree_(mesh_, frame_),
-      wide_tree_(tree_, mesh_, frame_) {}
+      tree_(mesh_),
+      wide_tree_(tree_, mesh_, unitFrame(boxOf(mesh_))),
+      health_(healthOf(*topology_, boxOf(mesh_), wide_tree_.tally())) {}
 
 void CollisionMesh::refitAll() {
   const Box box = boxOf(mesh_);
-  frame_ = unitFrame(box);
-  tree_.refit(mesh_, frame_);
-  tally_ = wide_tree_.refit(tree_, mesh_, frame_);
-  tally_.parted_corners = partedCorners(mesh_, *topology_);
-  health_ = healthOf(*topology_, box, tally_);
+  wide_tree_.refit(mesh_, unitFrame(box));
+  parted_corners_ = partedCorners(mesh_, *topology_);
+  updateHealth(box);
 }
 
 void CollisionMesh::refit(Points positions) {
@@ -44,56 +40,58 @@ void CollisionMesh::refit(Points positions) {
   refitAll();
 }
 
-HealthTally CollisionMesh::tallyOf(const std::vector<TriangleId>& triangles) const {
-  HealthTally tally;
-  for (const TriangleId triangle : triangles)
-    tally.add(core::tallyOf(triangle, mesh_, *topology_, frame_));
-  return tally;
-}
-
+/// Those at vertices, each as often as it has vertices there.
 std::vector<TriangleId> CollisionMesh::trianglesAt(const std::vector<VertexId>& vertices) const {
   std::vector<TriangleId> triangles;
+  triangles.reserve(8 * vertices.size());
   for (const VertexId vertex : vertices) {
     // All of the weld: whether it holds matters to each of them.
     const auto around = topology_->trianglesAt(topology_->weld(vertex));
     triangles.insert(triangles.end(), around.begin(), around.end());
   }
-  std::sort(triangles.begin(), triangles.end());
-  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   return triangles;
+}
+
+void CollisionMesh::updateHealth(const Box& box) {
+  HealthTally tally = wide_tree_.tally();
+  tally.parted_corners = parted_corners_;
+  health_ = healthOf(*topology_, box, tally);
 }
 
 void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& positions) {
   mesh_.requireFitting(moved, positions);
-  const std::vector<TriangleId> touched = trianglesAt(moved);
-  const HealthTally before = tallyOf(touched);
+  std::vector<TriangleId> touched = trianglesAt(moved);
+  if (topology_->hasWelds()) {
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    parted_corners_ -= partedCorners(touched, mesh_, *topology_);
+  }
   const bool on_face = std::any_of(moved.begin(), moved.end(), [this](VertexId vertex) {
     return isOnFace(mesh_.position(vertex), health_.box);
   });
   mesh_.setPositions(moved, positions);
+  if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
   Box box = on_face ? boxOf(mesh_) : health_.box;
   for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
-  tally_.remove(before);
-  tally_.add(tallyOf(touched));
-  const bool volume_is_doubtful = topology_->closed() && topology_->consistentlyWound() &&
-                                  std::abs(tally_.volume) <= tally_.rounding;
-  if (!fits(box, frame_) || volume_is_doubtful) {
+  if (!fits(box, wide_tree_.frame())) {
     refitAll();
     return;
   }
-  health_ = healthOf(*topology_, box, tally_);
-  std::vector<FarthestPairTree::Leaf> leaves;
-  leaves.reserve(touched.size());
-  for (const TriangleId triangle : touched) leaves.push_back(wide_tree_.leafOf(triangle));
-  std::sort(leaves.begin(), leaves.end());
-  tree_.refit(mesh_, leaves);
-  wide_tree_.refit(tree_, mesh_, leaves);
+  wide_tree_.refit(mesh_, touched);
+  const bool volume_is_doubtful =
+      topology_->closed() && topology_->consistentlyWound() &&
+      std::abs(wide_tree_.tally().volume) <= wide_tree_.tally().rounding;
+  if (volume_is_doubtful) {
+    refitAll();
+    return;
+  }
+  updateHealth(box);
 }
 
 void CollisionMesh::rebuild() {
-  tree_ = FarthestPairTree(mesh_, frame_);
-  wide_tree_ = WideTree(tree_, mesh_, frame_);
+  tree_ = FarthestPairTree(mesh_);
+  wide_tree_ = WideTree(tree_, mesh_, wide_tree_.frame());
 }
 
 std::size_t CollisionMesh::memory() const {

@@ -12,13 +12,9 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-18F;
-constexpr float kRadiusRounding = 1.0F + 0x1p-20F;
+constexpr float kRadiusRounding = 1.0F + 0x1p-16F;
 /// Axes are so much shorter than 1, or rounding them could make turning a vector lengthen it.
 constexpr float kShorter = 1.0F - 0x1p-20F;
-
-/// How deep Fit::kBoxes looks for boxes. More levels draw boxes closer, and let a partial refit
-/// take longer: benchmark/update_figures tells both.
-constexpr int kLevels = 3;
 
 struct LaneBox {
   LaneVector<float> low, high;
@@ -41,7 +37,7 @@ inline LaneBox emptyLaneBox() {
 struct Turn {
   Vector<float> x, y, z;
 
-  LaneVector<float> operator()(const LaneVector<float>& v) const {
+  [[gnu::always_inline]] LaneVector<float> operator()(const LaneVector<float>& v) const {
     return {dot(everywhere(x), v), dot(everywhere(y), v), dot(everywhere(z), v)};
   }
   Turn magnitudes() const {
@@ -58,26 +54,16 @@ inline Turn turnOf(const WideNode& node) {
   return {vectorOf(node.axes[0]), vectorOf(node.axes[1]), vectorOf(node.axes[2])};
 }
 
-/// From one node's axes to another's.
-inline Turn turnBetween(const WideNode& from, const WideNode& to) {
-  const float inverse = 1.0F / (kShorter * kShorter);
-  const auto row = [&](const std::array<float, 3>& axis) {
-    const auto along = [&](const std::array<float, 3>& other) {
-      return inverse * dot(vectorOf(axis), vectorOf(other));
-    };
-    return Vector<float>{along(from.axes[0]), along(from.axes[1]), along(from.axes[2])};
-  };
-  return {row(to.axes[0]), row(to.axes[1]), row(to.axes[2])};
-}
-
 inline LaneBox boxOfCorners(const TrianglePacket& packet, const Vector<float>& offset,
                             const Turn& turn) {
-  const LaneVector<float> a = load<float>(packet.corner) + everywhere(offset);
-  LaneBox box = emptyLaneBox();
-  box.add(turn(a));
-  box.add(turn(a + load<float>(packet.edge1)));
-  box.add(turn(a + load<float>(packet.edge2)));
-  return box;
+  const LaneVector<float> corner = load<float>(packet.corner) + everywhere(offset);
+  const LaneVector<float> a = turn(corner);
+  const LaneVector<float> b = turn(corner + load<float>(packet.edge1));
+  const LaneVector<float> c = turn(corner + load<float>(packet.edge2));
+  return {{smaller(smaller(a.x, b.x), c.x), smaller(smaller(a.y, b.y), c.y),
+           smaller(smaller(a.z, b.z), c.z)},
+          {larger(larger(a.x, b.x), c.x), larger(larger(a.y, b.y), c.y),
+           larger(larger(a.z, b.z), c.z)}};
 }
 
 /// Of a node's boxes from a lane on, seen from another node.
@@ -90,12 +76,12 @@ inline LaneBox boxOfLanes(const WideNode& node, std::uint32_t first_lane,
   const LaneVector<float> reach = turn.magnitudes()(half * (high - low));
   const Truth<float> is_meant =
       Lanes<float>::all(static_cast<float>(first_lane)) <= Lanes<float>::numbers();
-  const LaneBox box = {middle - reach, middle + reach};
-  const LaneBox none = emptyLaneBox();
-  return {{select(is_meant, box.low.x, none.low.x), select(is_meant, box.low.y, none.low.y),
-           select(is_meant, box.low.z, none.low.z)},
-          {select(is_meant, box.high.x, none.high.x), select(is_meant, box.high.y, none.high.y),
-           select(is_meant, box.high.z, none.high.z)}};
+  const Lanes<float> most = Lanes<float>::all(__builtin_huge_valf());
+  const Lanes<float> least = Lanes<float>::all(-__builtin_huge_valf());
+  return {{select(is_meant, middle.x - reach.x, most), select(is_meant, middle.y - reach.y, most),
+           select(is_meant, middle.z - reach.z, most)},
+          {select(is_meant, middle.x + reach.x, least), select(is_meant, middle.y + reach.y, least),
+           select(is_meant, middle.z + reach.z, least)}};
 }
 
 inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& to) {
@@ -112,74 +98,97 @@ inline void addCorners(const WideNode& node, const TrianglePacket* packets, cons
   }
 }
 
-/// Adds a node's boxes from a lane on to a box in another's orientation.
-inline void addBoxes(const WideNode& node, std::uint32_t first_lane, const WideNode& target,
-                     LaneBox& box) {
-  if (first_lane == node.lane_count) return;
-  const Turn turn = turnOf(target);
-  const Vector<float> offset = offsetOf(target, node.origin);
-  box.add(boxOfLanes(node, first_lane,
-                     {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
-                     turnBetween(node, target)));
-}
-
-/// Adds what is below one node, level by level: those of a level follow one another. With
-/// Fit::kBoxes not deeper than kLevels, or refitting a node would take the longer the more is
-/// below.
-inline void addBelow(const WideNode* nodes, const TrianglePacket* packets, const WideNode& target,
-                     std::uint32_t top, Fit fit, LaneBox& box) {
+/// The corners of all that is below one node, level by level: those of a level follow one another.
+inline LaneBox boxOfAllCorners(const PlainTree& tree, const WideNode& target, std::uint32_t top) {
+  LaneBox box = emptyLaneBox();
   std::uint32_t begin = top;
   std::uint32_t end = top + 1;
-  for (int level = 1; begin != end; ++level) {
-    const bool is_last = fit == Fit::kBoxes && level == kLevels;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      if (fit == Fit::kCorners) {
-        addCorners(nodes[i], packets, target, box);
-      } else {
-        addBoxes(nodes[i], is_last ? 0 : nodes[i].node_count, target, box);
-      }
+  while (begin != end) {
+    for (std::uint32_t i = begin; i < end; ++i)
+      addCorners(tree.nodes[i], tree.packets, target, box);
+    begin = tree.nodes[begin].first_node;
+    end = tree.nodes[end - 1].first_node + tree.nodes[end - 1].node_count;
+  }
+  return box;
+}
+
+/// The sets' boxes, lane by lane.
+struct SetBoxes {
+  Lanes<float> low[3][kLaneCount], high[3][kLaneCount];
+
+  void set(std::uint32_t lane, const LaneBox& box) {
+    low[0][lane] = box.low.x;
+    low[1][lane] = box.low.y;
+    low[2][lane] = box.low.z;
+    high[0][lane] = box.high.x;
+    high[1][lane] = box.high.y;
+    high[2][lane] = box.high.z;
+  }
+  void add(std::uint32_t lane, const LaneBox& box) {
+    low[0][lane] = smaller(low[0][lane], box.low.x);
+    low[1][lane] = smaller(low[1][lane], box.low.y);
+    low[2][lane] = smaller(low[2][lane], box.low.z);
+    high[0][lane] = larger(high[0][lane], box.high.x);
+    high[1][lane] = larger(high[1][lane], box.high.y);
+    high[2][lane] = larger(high[2][lane], box.high.z);
+  }
+  void repeat(std::uint32_t source, std::uint32_t lane) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis][lane] = low[axis][source];
+      high[axis][lane] = high[axis][source];
     }
-    if (is_last) return;
-    begin = nodes[begin].first_node;
-    end = nodes[end - 1].first_node + nodes[end - 1].node_count;
+  }
+};
+
+/// Adds the boxes that a node's are drawn around.
+inline void addBoxes(const PlainTree& tree, std::uint32_t self, SetBoxes& boxes) {
+  const WideNode& node = tree.nodes[self];
+  const Turn turn = turnOf(node);
+  for (std::uint32_t i = tree.first_parts[self]; i < tree.first_parts[self + 1]; ++i) {
+    const NodePart& part = tree.parts[i];
+    const WideNode& source = tree.nodes[part.node];
+    const Vector<float> offset = offsetOf(node, source.origin);
+    boxes.add(part.lane,
+              boxOfLanes(source, part.first_lane,
+                         {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
+                         {vectorOf(part.turn[0]), vectorOf(part.turn[1]), vectorOf(part.turn[2])}));
   }
 }
 
-inline void enclose(WideNode* nodes, const TrianglePacket* packets, std::uint32_t self, Fit fit) {
-  WideNode& node = nodes[self];
-  node.origin =
-      node.node_count > 0 ? nodes[node.first_node].origin : packets[node.first_packet].origin;
-  node.radius = 0.0F;
-  const auto reach = [&node](const std::array<float, 3>& origin, float radius) {
-    const Vector<float> offset = offsetOf(node, origin);
-    const float farthest = (rootOf(dot(offset, offset)) + radius) * kRadiusRounding;
-    node.radius = farthest > node.radius ? farthest : node.radius;
-  };
-  LaneBox boxes[kLaneCount];
-  for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
-    if (lane < node.node_count) {
-      const std::uint32_t child = node.first_node + lane;
-      reach(nodes[child].origin, nodes[child].radius);
-      boxes[lane] = emptyLaneBox();
-      addBelow(nodes, packets, node, child, fit, boxes[lane]);
-    } else {
-      const TrianglePacket& packet = packets[node.first_packet + lane - node.node_count];
-      reach(packet.origin, packet.radius);
-      boxes[lane] = boxOfCorners(packet, offsetOf(node, packet.origin), turnOf(node));
-    }
+inline void encloseOne(const PlainTree& tree, std::uint32_t self, Fit fit) {
+  WideNode& node = tree.nodes[self];
+  node.origin = node.node_count > 0 ? tree.nodes[node.first_node].origin
+                                    : tree.packets[node.first_packet].origin;
+  SetBoxes boxes;
+  for (std::uint32_t lane = 0; lane < node.node_count; ++lane)
+    boxes.set(lane, fit == Fit::kBoxes ? emptyLaneBox()
+                                       : boxOfAllCorners(tree, node, node.first_node + lane));
+  if (fit == Fit::kBoxes) addBoxes(tree, self, boxes);
+  for (std::uint32_t lane = node.node_count; lane < node.lane_count; ++lane) {
+    const TrianglePacket& packet = tree.packets[node.first_packet + lane - node.node_count];
+    boxes.set(lane, boxOfCorners(packet, offsetOf(node, packet.origin), turnOf(node)));
   }
-  const float rounding = kBoxRounding * node.radius;
-  for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
-    const std::uint32_t source = lane < node.lane_count ? lane : node.lane_count - 1U;
-    const LaneBox& box = boxes[source];
-    const Lanes<float> none{};
-    node.low[0][lane] = leastOf(box.low.x) - rounding;
-    node.low[1][lane] = leastOf(box.low.y) - rounding;
-    node.low[2][lane] = leastOf(box.low.z) - rounding;
-    node.high[0][lane] = rounding - leastOf(none - box.high.x);
-    node.high[1][lane] = rounding - leastOf(none - box.high.y);
-    node.high[2][lane] = rounding - leastOf(none - box.high.z);
-  }
+  for (std::uint32_t lane = node.lane_count; lane < kLaneCount; ++lane)
+    boxes.repeat(node.lane_count - 1U, lane);
+  const LaneVector<float> low = {leastOfEach(boxes.low[0]), leastOfEach(boxes.low[1]),
+                                 leastOfEach(boxes.low[2])};
+  const LaneVector<float> high = {mostOfEach(boxes.high[0]), mostOfEach(boxes.high[1]),
+                                  mostOfEach(boxes.high[2])};
+  const LaneVector<float> farthest = {larger(Lanes<float>{} - low.x, high.x),
+                                      larger(Lanes<float>{} - low.y, high.y),
+                                      larger(Lanes<float>{} - low.z, high.z)};
+  node.radius = rootOf(mostOf(dot(farthest, farthest))) * kRadiusRounding;
+  const Lanes<float> rounding = Lanes<float>::all(kBoxRounding * node.radius);
+  (low.x - rounding).store(&node.low[0][0]);
+  (low.y - rounding).store(&node.low[1][0]);
+  (low.z - rounding).store(&node.low[2][0]);
+  (high.x + rounding).store(&node.high[0][0]);
+  (high.y + rounding).store(&node.high[1][0]);
+  (high.z + rounding).store(&node.high[2][0]);
+}
+
+inline void enclose(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit) {
+  while (end > begin) encloseOne(tree, --end, fit);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 
 #include "organ_collision/core/closest_point.h"
@@ -69,13 +70,13 @@ std::vector<Member> orderedMembers(const TriangleMesh& mesh) {
   return members;
 }
 
-/// Twice what rounding makes of the side of a plane, in single precision, at points of the unit
-/// frame within reach 1; it grows with the reach.
-constexpr float kPlaneRounding = 0x1p-20F;
+/// Twice what the rounding of centroids and tip, in single precision, makes of the difference of
+/// squared distances: these times the tip's reach and the poles' distance from each other, and
+/// times their offset from the tip.
+constexpr double kApartRounding = 0x1p-17;
+constexpr float kOffsetRounding = 0x1p-21F;
 /// The same for the distances to the poles themselves, in double precision.
 constexpr double kPoleRounding = 0x1p-46;
-
-constexpr std::size_t kGrain = 2048;  // nodes or leaves that are worth a task
 
 double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
@@ -184,65 +185,11 @@ class FarthestPairTree::Builder {
   tbb::task_group tasks_;
 };
 
-FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh, const UnitFrame& frame)
-    : nodes_(mesh.triangleCount() - 1) {
+FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) : nodes_(mesh.triangleCount() - 1) {
   Builder builder(mesh, nodes_);
   builder.run();
   leaves_ = std::move(builder.triangles());
   depth_ = builder.depth();
-  refit(mesh, frame);
-}
-
-void FarthestPairTree::refit(const TriangleMesh& mesh, const UnitFrame& frame) {
-  frame_ = frame;
-  using Range = tbb::blocked_range<std::size_t>;
-  Points centroids(leaves_.size());
-  tbb::parallel_for(Range(0, leaves_.size(), kGrain), [&](const Range& some) {
-    for (std::size_t leaf = some.begin(); leaf < some.end(); ++leaf)
-      centroids[leaf] = centroidInFrame(mesh, static_cast<Leaf>(leaf));
-  });
-  tbb::parallel_for(Range(0, nodes_.size(), kGrain), [&](const Range& some) {
-    for (std::size_t i = some.begin(); i < some.end(); ++i) {
-      const auto [first, second] = nodes_[i].poles;
-      placePlane(nodes_[i], centroids[first], centroids[second]);
-    }
-  });
-}
-
-void FarthestPairTree::refit(const TriangleMesh& mesh, const std::vector<Leaf>& moved) {
-  struct Part {
-    Set set;
-    const Leaf *begin, *end;  // the moved leaves of the set
-  };
-  const auto has_moved = [&](Leaf leaf) {
-    return std::binary_search(moved.begin(), moved.end(), leaf);
-  };
-  std::vector<Part> pending = {{root(), moved.data(), moved.data() + moved.size()}};
-  while (!pending.empty()) {
-    const auto [set, begin, end] = pending.back();
-    pending.pop_back();
-    if (begin == end || set.isLeaf()) continue;
-    Node& node = nodes_[set.node];
-    const auto [one, other] = node.poles;
-    if (has_moved(one) || has_moved(other))
-      placePlane(node, centroidInFrame(mesh, one), centroidInFrame(mesh, other));
-    const auto [first, second] = children(set);
-    const Leaf* middle = std::lower_bound(begin, end, first.end);
-    pending.push_back({first, begin, middle});
-    pending.push_back({second, middle, end});
-  }
-}
-
-Eigen::Vector3d FarthestPairTree::centroidInFrame(const TriangleMesh& mesh, Leaf leaf) const {
-  const Triangle triangle = mesh.triangle(leaves_[leaf]);
-  return (frame_(triangle.a) + frame_(triangle.b) + frame_(triangle.c)) / 3.0;
-}
-
-void FarthestPairTree::placePlane(Node& node, const Eigen::Vector3d& first,
-                                  const Eigen::Vector3d& second) {
-  const Eigen::Vector3f normal = (second - first).cast<float>();
-  node.normal = {normal.x(), normal.y(), normal.z()};
-  node.offset = static_cast<float>(normal.cast<double>().dot(0.5 * (first + second)));
 }
 
 bool FarthestPairTree::isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
@@ -254,27 +201,37 @@ bool FarthestPairTree::isNearerToFirstPole(const TriangleMesh& mesh, const Node&
 }
 
 FarthestPairTree::GreedyPath FarthestPairTree::greedySearch(const TriangleMesh& mesh,
+                                                            const Centroids& centroids,
                                                             const Eigen::Vector3d& tip) const {
-  const Eigen::Vector3d unit_tip = frame_(tip);
-  const std::array<float, 3> q = {static_cast<float>(unit_tip.x()),
-                                  static_cast<float>(unit_tip.y()),
-                                  static_cast<float>(unit_tip.z())};
+  const UnitFrame& frame = centroids.frame;
+  const Eigen::Vector3d unit_tip = frame(tip);
   const double reach = 1.0 + largestCoordinate(unit_tip);
-  const double offset_of_mesh = largestCoordinate(frame_.center) * frame_.scale;
-  const auto relative = static_cast<float>(kPlaneRounding * reach);
+  const double offset_of_mesh = largestCoordinate(frame.center) * frame.scale;
+  const auto of_apart = static_cast<float>(kApartRounding * reach);
   const auto absolute = static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh));
-
+  const Eigen::Vector3f q = unit_tip.cast<float>();
   Set set = root();
   std::uint32_t nodes = 0;
   for (; !set.isLeaf(); ++nodes) {
     const Node& node = nodes_[set.node];
-    const auto& [x, y, z] = node.normal;
-    const float side = x * q[0] + y * q[1] + z * q[2] - node.offset;
-    const float rounding = relative * (std::abs(x) + std::abs(y) + std::abs(z)) + absolute;
+    const Eigen::Map<const Eigen::Vector3f> first(centroids.places[node.poles[0]].data());
+    const Eigen::Map<const Eigen::Vector3f> second(centroids.places[node.poles[1]].data());
+    // The difference of the squared distances.
+    const Eigen::Vector3f apart = second - first;
+    const Eigen::Vector3f offset = (q - first) + (q - second);
+    float side = apart.dot(offset);
+    const float rounding =
+        of_apart * apart.lpNorm<1>() + kOffsetRounding * offset.lpNorm<1>() + absolute;
     // Not a number: not sure.
-    const bool first =
-        std::abs(side) > rounding ? side < 0.0F : isNearerToFirstPole(mesh, node, tip);
-    set = children(set)[first ? 0 : 1];
+    if (!(std::abs(side) > rounding)) side = isNearerToFirstPole(mesh, node, tip) ? -1.0F : 1.0F;
+    // Without a branch, half of which would be mispredicted.
+    std::int32_t bits = 0;
+    std::memcpy(&bits, &side, sizeof bits);
+    const auto in_first = static_cast<std::uint32_t>(bits >> 31);
+    const std::uint32_t passed = node.first_size & ~in_first;
+    set.begin += passed;
+    set.end ^= (set.end ^ (set.begin + node.first_size)) & in_first;
+    set.node += passed + (in_first & 1U);
   }
   return {set.begin, nodes};
 }

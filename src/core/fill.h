@@ -7,19 +7,13 @@
 namespace organ_collision::core {
 namespace {
 
-// Those of predicates.cpp, which has the reasons.
-constexpr double kDeterminantRounding = (3 + 16 * 0x1p-53) * 0x1p-53;
-constexpr double kNoUnderflow = 0x1p-400;
+/// A flat triangle's normal is not longer, in a packet of radius 1: its edges are off by 2^-50.
+constexpr double kNormalRounding = 0x1p-44;
 
 /// Single precision can hold it; off by at most 2^-24. REQUIRES: magnitude below 2^27.
 inline double inSinglePrecision(double x) {
   constexpr double kLastBit = 0x1.8p29;  // numbers as large are multiples of 2^-23
   return (x + kLastBit) - kLastBit;
-}
-
-inline LaneVector<double> cornerOf(const PacketCorners& corners, std::uint32_t corner) {
-  const auto& axes = corners.position[corner];
-  return {Lanes<double>::copy(axes[0]), Lanes<double>::copy(axes[1]), Lanes<double>::copy(axes[2])};
 }
 
 inline void storeRounded(const LaneVector<double>& v, LanePoints& points) {
@@ -28,56 +22,67 @@ inline void storeRounded(const LaneVector<double>& v, LanePoints& points) {
   v.z.storeRounded(points[2]);
 }
 
-/// Lanes where x*y - z*w may be 0: the filter of orientation() in predicates.cpp.
-inline Truth<double> mayCancel(const Lanes<double>& x, const Lanes<double>& y,
-                               const Lanes<double>& z, const Lanes<double>& w) {
-  const Lanes<double> left = x * y;
-  const Lanes<double> right = z * w;
-  const Lanes<double> sum = magnitude(left) + magnitude(right);
-  const Lanes<double> error =
-      larger(Lanes<double>::all(kDeterminantRounding) * sum, Lanes<double>::all(kNoUnderflow));
-  return magnitude(left - right) <= error;
+/// The leaf in a lane, or the one that it repeats.
+inline std::uint32_t leafIn(const TrianglePacket& packet, std::uint32_t lane) {
+  return packet.first_leaf + (lane < packet.lane_count ? lane : 0);
 }
 
-inline std::uint32_t lanesThatMayHaveNoArea(const LaneVector<double>& p,
-                                            const LaneVector<double>& q) {
-  return (mayCancel(p.x, q.y, p.y, q.x) & mayCancel(p.y, q.z, p.z, q.y) &
-          mayCancel(p.z, q.x, p.x, q.z))
-      .bits();
+/// One corner of each of a packet's triangles, in the unit frame.
+inline LaneVector<double> cornerOf(const PlainMesh& mesh, const TrianglePacket& packet,
+                                   std::uint32_t corner) {
+  const LaneVector<double> positions = gather([&](std::uint32_t lane) {
+    return mesh.positions + mesh.corners[leafIn(packet, lane)][corner];
+  });
+  const auto& [center, scale] = mesh.frame;
+  return Lanes<double>::all(scale) *
+         (positions - everywhere(Vector<double>{center[0], center[1], center[2]}));
 }
 
-inline PacketTally fill(const PacketCorners& corners, const PlainUnitFrame& frame,
-                        TrianglePacket& packet) {
-  const LaneVector<double> center =
-      everywhere(Vector<double>{frame.center[0], frame.center[1], frame.center[2]});
-  const Lanes<double> scale = Lanes<double>::all(frame.scale);
-  const LaneVector<double> a_in_metres = cornerOf(corners, 0);
-  const LaneVector<double> b_in_metres = cornerOf(corners, 1);
-  const LaneVector<double> c_in_metres = cornerOf(corners, 2);
-  const LaneVector<double> a = scale * (a_in_metres - center);
-  const LaneVector<double> b = scale * (b_in_metres - center);
-  const LaneVector<double> c = scale * (c_in_metres - center);
+inline void storeCentroids(const LaneVector<double>& centroids, const TrianglePacket& packet,
+                           std::array<float, 3>* places) {
+  alignas(64) LanePoints rounded;
+  storeRounded(centroids, rounded);
+#pragma GCC unroll 8
+  for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
+    places[leafIn(packet, lane)] = {rounded[0][lane], rounded[1][lane], rounded[2][lane]};
+}
+
+inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
+                           std::array<float, 3>* centroids) {
+  const LaneVector<double> a = cornerOf(mesh, packet, 0);
+  const LaneVector<double> b = cornerOf(mesh, packet, 1);
+  const LaneVector<double> c = cornerOf(mesh, packet, 2);
+  storeCentroids(Lanes<double>::all(1.0 / 3.0) * (a + b + c), packet, centroids);
 
   const Vector<double> first = {inSinglePrecision(a.x[0]), inSinglePrecision(a.y[0]),
                                 inSinglePrecision(a.z[0])};
   packet.origin = {static_cast<float>(first.x), static_cast<float>(first.y),
                    static_cast<float>(first.z)};
   const LaneVector<double> origin = everywhere(first);
+  const LaneVector<double> ab = b - a;
+  const LaneVector<double> ac = c - a;
   storeRounded(a - origin, packet.corner);
-  storeRounded(b - a, packet.edge1);
-  storeRounded(c - a, packet.edge2);
+  storeRounded(ab, packet.edge1);
+  storeRounded(ac, packet.edge2);
 
   const auto squared_reach = [&origin](const LaneVector<double>& point) {
     return dot(point - origin, point - origin);
   };
-  const Lanes<double> reach = larger(larger(squared_reach(a), squared_reach(b)), squared_reach(c));
-  packet.radius = static_cast<float>(rootOf(-leastOf(Lanes<double>{} - reach)) * (1.0 + 0x1p-20));
+  const double squared_radius =
+      mostOf(larger(larger(squared_reach(a), squared_reach(b)), squared_reach(c)));
+  packet.radius = static_cast<float>(rootOf(squared_radius) * (1.0 + 0x1p-20));
 
-  const Lanes<double> volumes = dot(a, cross(b - a, c - a));
-  PacketTally tally = {
-      0.0, lanesThatMayHaveNoArea(b_in_metres - a_in_metres, c_in_metres - a_in_metres)};
-  for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) tally.volume += volumes[lane];
-  return tally;
+  const LaneVector<double> normal = cross(ab, ac);
+  const Truth<double> in_use =
+      Lanes<double>::numbers() <= Lanes<double>::all(static_cast<double>(packet.lane_count - 1));
+  const Truth<double> may_be_flat =
+      dot(normal, normal) <= Lanes<double>::all(kNormalRounding * kNormalRounding * squared_radius);
+  return {sumOf(select(in_use, dot(a, normal), Lanes<double>{})), (in_use & may_be_flat).bits()};
+}
+
+inline void fill(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
+                 std::array<float, 3>* centroids, PacketTally* tallies) {
+  for (std::size_t i = 0; i < count; ++i) tallies[i] = fillOne(mesh, packets[i], centroids);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/pair_search.h"
 #include "core/search.h"
+#include "organ_collision/core/ids.h"
 #include "organ_collision/core/wide_node.h"
 
 // What is translated once for each vector unit. Plain data only: no code that is translated for one
@@ -14,20 +16,31 @@ namespace organ_collision::core {
 /// same time for every node, or around all the corners there.
 enum class Fit : std::uint8_t { kBoxes, kCorners };
 
-/// Where the corners of eight triangles are [m]: first, second, third corner; x, y, z; lane.
-struct alignas(64) PacketCorners {
-  std::array<std::array<std::array<double, kLaneCount>, 3>, 3> position;
-};
-
 /// UnitFrame as plain data.
 struct PlainUnitFrame {
   std::array<double, 3> center;
   double scale;
 };
 
-struct PacketTally {
-  double volume;                ///< six times, in the unit frame, of the lanes in use
-  std::uint32_t maybe_no_area;  ///< lanes, by bits: rounding leaves it open; all others have one
+/// Where triangles are.
+struct PlainMesh {
+  const double* positions;                      ///< [m] x, y, z of each vertex
+  const std::array<std::uint32_t, 3>* corners;  ///< of each leaf: the numbers of their x above
+  PlainUnitFrame frame;
+};
+
+/// What is to be enclosed.
+struct PlainTree {
+  WideNode* nodes;
+  const TrianglePacket* packets;
+  const NodePart* parts;
+  const std::uint32_t* first_parts;  ///< of each node and, one more, their end
+};
+
+/// The box of points [m].
+struct PlainBox {
+  std::array<double, 3> low, high;
+  bool finite;  ///< all coordinates are
 };
 
 struct Kernels {
@@ -39,12 +52,15 @@ struct Kernels {
   void (*walkPairs)(PairSearch& search);
   /// Looks at the pairs that are followed, after the surfaces have moved by at most `step`.
   void (*followPairs)(PairSearch& search, double step);
-  /// Takes over where its triangles are. REQUIRES: packet.lane_count; the other lanes of `corners`
-  /// repeat some of those.
-  PacketTally (*fill)(const PacketCorners& corners, const PlainUnitFrame& frame,
-                      TrianglePacket& packet);
-  /// Places a node's origin and boxes. REQUIRES: that is done for all nodes and packets below.
-  void (*enclose)(WideNode* nodes, const TrianglePacket* packets, std::uint32_t node, Fit fit);
+  PlainBox (*boxOf)(const double* points, std::size_t count);
+  /// Takes over where the triangles of `count` packets are, and the centroid of each leaf. Who may
+  /// be flat, as far as rounding can tell, is said to be.
+  /// REQUIRES: first_leaf and lane_count of the packets.
+  void (*fill)(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
+               std::array<float, 3>* centroids, PacketTally* tallies);
+  /// Places the origins and boxes of nodes, the last first. REQUIRES: that is done for all nodes
+  /// and packets below.
+  void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);
 };
 
 extern const Kernels kBaselineKernels;

@@ -1,3 +1,4 @@
+#include "core/box_of_points.h"
 #include "core/enclose.h"
 #include "core/fill.h"
 #include "core/kernels.h"
@@ -6,6 +7,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kBaselineKernels = {walk, follow, walkPairs, followPairs, fill, enclose};
+const Kernels kBaselineKernels = {walk, follow, walkPairs, followPairs, boxOf, fill, enclose};
 
 }  // namespace organ_collision::core

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 // Eight numbers at a time, in the compiler's own vectors of the width that the translation unit is
 // made for. Internal linkage throughout: no unit's code may be taken for another's.
@@ -42,6 +43,12 @@ inline double rootOf(double x) { return __builtin_sqrt(x); }
 /// The bits of a comparison, one a lane.
 template <class Truths>
 inline std::uint32_t bitsOf(const Truths& truths) {
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof(truths) == 64) {
+    using Longs __attribute__((vector_size(64))) = long long;
+    return static_cast<std::uint8_t>(__builtin_ia32_cvtq2mask512(reinterpret_cast<Longs>(truths)));
+  }
+#endif
 #if defined(__AVX__)
   if constexpr (sizeof(truths) == 32 && sizeof(truths[0]) == 4) {
     using Floats __attribute__((vector_size(32))) = float;
@@ -102,9 +109,9 @@ struct Lanes {
     return result;
   }
   /// As they are in memory.
-  static Lanes copy(const std::array<Real, kLanes>& values) {
+  static Lanes copy(const Real* values) {
     Lanes result;
-    __builtin_memcpy(result.part, values.data(), sizeof(result.part));
+    __builtin_memcpy(result.part, values, sizeof(result.part));
     return result;
   }
   void store(Real* values) const { __builtin_memcpy(values, part, sizeof(part)); }
@@ -184,15 +191,80 @@ inline Truth<Real> operator!(const Truth<Real>& a) {
   for (int i = 0; i < Lanes<Real>::kParts; ++i) result.part[i] = ~a.part[i];
   return result;
 }
+/// v[i ^ distance] for each lane i.
+template <int distance, class Numbers, int... lane>
+inline Numbers exchanged(const Numbers& v, std::integer_sequence<int, lane...>) {
+  return __builtin_shufflevector(v, v, (lane ^ distance)...);
+}
+/// Joins all lanes, always the same ones first: i and i + 4, then i and i + 2, then 0 and 1.
+template <class Real, class Operation>
+[[gnu::always_inline]] inline Real fold(Lanes<Real> lanes, const Operation& operation) {
+  constexpr int kPartLanes = Lanes<Real>::kPartLanes;
+  constexpr std::make_integer_sequence<int, kPartLanes> kNumbers;
+  for (int parts = Lanes<Real>::kParts / 2; parts > 0; parts /= 2)
+    for (int i = 0; i < parts; ++i) lanes.part[i] = operation(lanes.part[i], lanes.part[i + parts]);
+  auto joined = lanes.part[0];
+  if constexpr (kPartLanes > 4) joined = operation(joined, exchanged<4>(joined, kNumbers));
+  if constexpr (kPartLanes > 2) joined = operation(joined, exchanged<2>(joined, kNumbers));
+  return operation(joined, exchanged<1>(joined, kNumbers))[0];
+}
 template <class Real>
 [[gnu::always_inline]] inline Real leastOf(const Lanes<Real>& lanes) {
-  Real values[kLanes];
-  lanes.store(values);
-  for (int half = kLanes / 2; half > 0; half /= 2)
-    for (int i = 0; i < half; ++i)
-      values[i] = values[i] < values[i + half] ? values[i] : values[i + half];
-  return values[0];
+  return fold(lanes, [](const auto& x, const auto& y) { return x < y ? x : y; });
 }
+template <class Real>
+inline Real mostOf(const Lanes<Real>& lanes) {
+  return fold(lanes, [](const auto& x, const auto& y) { return x > y ? x : y; });
+}
+template <class Real>
+inline Real sumOf(const Lanes<Real>& lanes) {
+  return fold(lanes, [](const auto& x, const auto& y) { return x + y; });
+}
+/// In lane i, all lanes of rows[i] joined as by fold().
+template <class Real, class Operation>
+inline Lanes<Real> foldEach(const Lanes<Real> (&rows)[kLanes], const Operation& operation) {
+  static_assert(sizeof(Real) == sizeof(float));
+  Lanes<Real> result;
+  if constexpr (Lanes<Real>::kParts == 1) {
+    typename Lanes<Real>::Numbers fours[4], twos[2];  // partial results of two rows, of four
+    for (int i = 0; i < 4; ++i) {
+      const auto& a = rows[i].part[0];
+      const auto& b = rows[i + 4].part[0];
+      fours[i] = operation(__builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11),
+                           __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15));
+    }
+    for (int i = 0; i < 2; ++i)
+      twos[i] =
+          operation(__builtin_shufflevector(fours[i], fours[i + 2], 0, 1, 8, 9, 4, 5, 12, 13),
+                    __builtin_shufflevector(fours[i], fours[i + 2], 2, 3, 10, 11, 6, 7, 14, 15));
+    result.part[0] =
+        operation(__builtin_shufflevector(twos[0], twos[1], 0, 8, 2, 10, 4, 12, 6, 14),
+                  __builtin_shufflevector(twos[0], twos[1], 1, 9, 3, 11, 5, 13, 7, 15));
+  } else {
+    for (int half = 0; half < 2; ++half) {
+      typename Lanes<Real>::Numbers fours[4], twos[2];
+      for (int i = 0; i < 4; ++i) {
+        const auto& row = rows[4 * half + i];
+        fours[i] = operation(row.part[0], row.part[1]);
+      }
+      for (int i = 0; i < 2; ++i)
+        twos[i] = operation(__builtin_shufflevector(fours[i], fours[i + 2], 0, 1, 4, 5),
+                            __builtin_shufflevector(fours[i], fours[i + 2], 2, 3, 6, 7));
+      result.part[half] = operation(__builtin_shufflevector(twos[0], twos[1], 0, 4, 2, 6),
+                                    __builtin_shufflevector(twos[0], twos[1], 1, 5, 3, 7));
+    }
+  }
+  return result;
+}
+template <class Real>
+inline Lanes<Real> leastOfEach(const Lanes<Real> (&rows)[kLanes]) {
+  return foldEach(rows, [](const auto& x, const auto& y) { return x < y ? x : y; });
+}
+template <class Real>
+inline Lanes<Real> mostOfEach(const Lanes<Real> (&rows)[kLanes]) {
+  return foldEach(rows, [](const auto& x, const auto& y) { return x > y ? x : y; });
+}
+
 /// a where it is true, else b.
 template <class Real>
 inline Lanes<Real> select(const Truth<Real>& truth, const Lanes<Real>& a, const Lanes<Real>& b) {

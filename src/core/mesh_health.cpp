@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <sstream>
 
+#include "core/kernels.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -21,52 +22,52 @@ void HealthTally::add(const HealthTally& other) {
   rounding += other.rounding;
 }
 
-void HealthTally::remove(const HealthTally& other) {
-  degenerate_triangles -= other.degenerate_triangles;
-  parted_corners -= other.parted_corners;
-  volume -= other.volume;
-  rounding += other.rounding;
-}
-
-HealthTally tallyOf(TriangleId id, const TriangleMesh& mesh, const MeshTopology& topology,
-                    const UnitFrame& frame) {
-  HealthTally tally;
-  const Triangle triangle = mesh.triangle(id);
-  if (collinear(triangle.a, triangle.b, triangle.c)) tally.degenerate_triangles = 1;
-  for (const VertexId corner : mesh.corners(id))
-    if (!topology.isAtWeld(corner, mesh)) ++tally.parted_corners;
-  const Eigen::Vector3d a = frame(triangle.a);
-  const Eigen::Vector3d b = frame(triangle.b);
-  const Eigen::Vector3d c = frame(triangle.c);
-  tally.volume = a.dot(b.cross(c));
-  tally.rounding = HealthTally::kVolumeRounding;
-  return tally;
-}
-
 HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology,
                     const UnitFrame& frame) {
   HealthTally tally;
-  for (std::size_t i = 0; i < mesh.triangleCount(); ++i)
-    tally.add(tallyOf(static_cast<TriangleId>(i), mesh, topology, frame));
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
+    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
+    const Eigen::Vector3d a = frame(triangle.a);
+    const Eigen::Vector3d b = frame(triangle.b);
+    const Eigen::Vector3d c = frame(triangle.c);
+    tally.volume += a.dot(b.cross(c));
+    tally.rounding += HealthTally::kVolumeRounding;
+  }
+  tally.parted_corners = partedCorners(mesh, topology);
   return tally;
+}
+
+std::size_t partedCorners(TriangleId triangle, const TriangleMesh& mesh,
+                          const MeshTopology& topology) {
+  std::size_t count = 0;
+  for (const VertexId corner : mesh.corners(triangle))
+    if (!topology.isAtWeld(corner, mesh)) ++count;
+  return count;
 }
 
 std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology) {
   if (!topology.hasWelds()) return 0;
   std::size_t count = 0;
-  for (const Corners& corners : mesh.triangles()) {
-    for (const VertexId corner : corners)
-      if (!topology.isAtWeld(corner, mesh)) ++count;
-  }
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i)
+    count += partedCorners(static_cast<TriangleId>(i), mesh, topology);
+  return count;
+}
+
+std::size_t partedCorners(const std::vector<TriangleId>& triangles, const TriangleMesh& mesh,
+                          const MeshTopology& topology) {
+  std::size_t count = 0;
+  for (const TriangleId triangle : triangles) count += partedCorners(triangle, mesh, topology);
   return count;
 }
 
 Box boxOf(const TriangleMesh& mesh) {
-  Box box;
   if (mesh.usesAllVertices()) {
-    for (const Eigen::Vector3d& position : mesh.positions()) box.add(position);
-    return box;
+    const Points& points = mesh.positions();
+    const PlainBox box = kernels().boxOf(points.front().data(), points.size());
+    return {Eigen::Vector3d(box.low.data()), Eigen::Vector3d(box.high.data())};
   }
+  Box box;
   for (const Corners& corners : mesh.triangles())
     for (const VertexId corner : corners) box.add(mesh.position(corner));
   return box;

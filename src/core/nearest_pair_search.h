@@ -106,9 +106,11 @@ class NearestPairSearch : protected PairSearch {
   void measureGreedily() {
     const Box& box = first_.health().box;
     const Eigen::Vector3d middle = pose_ * (box.low + 0.5 * (box.high - box.low));
-    const auto there = second_.tree().greedySearch(second_.mesh(), middle);
+    const auto there =
+        second_.tree().greedySearch(second_.mesh(), second_.wideTree().centroids(), middle);
     const Eigen::Vector3d target = pose_.inverse(Eigen::Affine) * centroid(ofSecond(there.end));
-    const auto back = first_.tree().greedySearch(first_.mesh(), target);
+    const auto back =
+        first_.tree().greedySearch(first_.mesh(), first_.wideTree().centroids(), target);
     bounds += there.nodes + back.nodes;
     measure(back.end, there.end);
     ++triangles;

@@ -87,7 +87,8 @@ class NearestSearch : protected Search {
 
   NearestTriangle run() {
     if (accuracy_.max_leaves != 0) {
-      const auto [leaf, splits] = organ_.tree().greedySearch(organ_.mesh(), tip_.routingPoint());
+      const auto [leaf, splits] = organ_.tree().greedySearch(
+          organ_.mesh(), organ_.wideTree().centroids(), tip_.routingPoint());
       measure(leaf);
       bounds += splits;
       --leaves_left;

@@ -8,10 +8,28 @@
 #include <string>
 #include <utility>
 
+#include "core/kernels.h"
+
 namespace organ_collision::core {
 namespace {
 
+void requireFewEnough(std::size_t count, const char* what) {
+  if (count <= std::numeric_limits<std::uint32_t>::max() / 4) return;
+  throw std::invalid_argument("the mesh has " + std::to_string(count) + " " + what +
+                              ": more than 32-bit indices allow");
+}
+
+bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordinate; }
+
+bool areUsable(const Points& positions) {
+  if (positions.empty()) return true;
+  const auto [low, high, finite] = kernels().boxOf(positions.front().data(), positions.size());
+  return finite && std::all_of(low.begin(), low.end(), isUsable) &&
+         std::all_of(high.begin(), high.end(), isUsable);
+}
+
 void requireAllUsable(const Points& positions) {
+  if (areUsable(positions)) return;
   for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
 }
 
@@ -37,10 +55,8 @@ void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_
 TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)
     : positions_(std::move(positions)), triangles_(std::move(triangles)) {
   if (triangles_.empty()) throw std::invalid_argument("the mesh has no triangle");
-  if (triangles_.size() > std::numeric_limits<std::uint32_t>::max() / 4) {
-    throw std::invalid_argument("the mesh has " + std::to_string(triangles_.size()) +
-                                " triangles: more than 32-bit indices allow");
-  }
+  requireFewEnough(triangles_.size(), "triangles");
+  requireFewEnough(positions_.size(), "vertices");
   requireAllUsable(positions_);
   std::vector<bool> used(positions_.size(), false);
   for (std::size_t i = 0; i < triangles_.size(); ++i) {

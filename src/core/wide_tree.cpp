@@ -1,12 +1,13 @@
 #include "organ_collision/core/wide_tree.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <bitset>
+#include <climits>
 #include <cmath>
 #include <limits>
 
@@ -28,13 +29,18 @@ constexpr double kShorter = 1.0 - 0x1p-20;
 /// What rounding makes of a box's corner, for a reach of 1.
 constexpr float kBoxRounding = 0x1p-18F;
 
-// So many are worth a task.
-constexpr std::size_t kPacketGrain = 256;
-constexpr std::size_t kNodeGrain = 64;
-using Range = tbb::blocked_range<std::size_t>;
+/// How deep refits look for boxes. More levels draw boxes closer, and let a partial refit take
+/// longer: benchmark/update_figures tells both.
+constexpr int kLevels = 3;
+
+constexpr std::size_t kPacketGrain = 32;  // so many are worth a task
 
 Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> axesOf(const WideTree::Node& node) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(node.axes.front().data());
+}
+
+void store(const Matrix3f& matrix, std::array<std::array<float, 3>, 3>& rows) {
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rows.front().data()) = matrix;
 }
 
 Eigen::Map<const Vector3f> vector(const std::array<float, 3>& values) {
@@ -164,7 +170,9 @@ class WideTree::Collapse {
 };
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : frame_(frame), places_(mesh.triangleCount()) {
+    : places_(mesh.triangleCount()) {
+  centroids_.frame = frame;
+  centroids_.places.resize(mesh.triangleCount());
   const Points centroids = centroidsOf(tree, mesh, frame);
   const Collapse collapse(tree, centroids);
   std::vector<Set> sets = {tree.root()};  // of the nodes
@@ -175,18 +183,17 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     addChildren(tree, collapse, self, sets);
     if (depths[self] > levels_.size()) levels_.push_back(self);
     depths.resize(nodes_.size(), depths[self] + 1);
-    const Matrix3f axes =
-        (kShorter * principalAxes(&centroids[sets[self].begin], sets[self].size())).cast<float>();
-    for (Eigen::Index row = 0; row < 3; ++row)
-      for (Eigen::Index column = 0; column < 3; ++column)
-        nodes_[self].axes[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] =
-            axes(row, column);
+    store((kShorter * principalAxes(&centroids[sets[self].begin], sets[self].size())).cast<float>(),
+          nodes_[self].axes);
   }
   nodes_.shrink_to_fit();
   packets_.shrink_to_fit();
   parents_.shrink_to_fit();
-  fillAll(tree, mesh);
-  encloseAll(Fit::kCorners);
+  listCorners(tree, mesh);
+  listParts();
+  tallies_.resize(packets_.size());
+  touched_.resize(nodes_.size() + packets_.size());
+  fitAll(mesh, Fit::kCorners);
 }
 
 void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collapse,
@@ -212,87 +219,169 @@ void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collaps
   }
 }
 
-HealthTally WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
-                            const UnitFrame& frame) {
-  frame_ = frame;
-  const HealthTally tally = fillAll(tree, mesh);
-  encloseAll(Fit::kBoxes);
-  return tally;
+void WideTree::listCorners(const FarthestPairTree& tree, const TriangleMesh& mesh) {
+  corners_.reserve(mesh.triangleCount());
+  const auto place = [](VertexId vertex) { return static_cast<std::uint32_t>(3 * index(vertex)); };
+  for (Leaf leaf = 0; leaf < mesh.triangleCount(); ++leaf) {
+    const auto& [a, b, c] = mesh.corners(tree.triangle(leaf));
+    corners_.push_back({place(a), place(b), place(c)});
+  }
 }
 
-HealthTally WideTree::fillAll(const FarthestPairTree& tree, const TriangleMesh& mesh) {
+/// A node's box is drawn around those kLevels below it, and around packets' on the way there.
+void WideTree::listParts() {
+  first_parts_.reserve(nodes_.size() + 1);
+  for (std::uint32_t self = 0; self < nodes_.size(); ++self) {
+    first_parts_.push_back(static_cast<std::uint32_t>(parts_.size()));
+    for (std::uint8_t lane = 0; lane < nodes_[self].node_count; ++lane) {
+      const std::uint32_t child = nodes_[self].first_node + lane;
+      Range level = {child, child + 1};
+      for (int depth = 1; depth <= kLevels && level.begin != level.end; ++depth) {
+        for (std::uint32_t node = level.begin; node < level.end; ++node)
+          addPart(self, lane, node, depth == kLevels ? 0 : nodes_[node].node_count);
+        level = childrenOf(level);
+      }
+    }
+  }
+  first_parts_.push_back(static_cast<std::uint32_t>(parts_.size()));
+  parts_.shrink_to_fit();
+}
+
+/// The lanes of `below`, from one on, are a part of what is in a lane of `self`.
+void WideTree::addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below,
+                       std::uint8_t first_lane) {
+  if (first_lane == nodes_[below].lane_count) return;
+  NodePart& part = parts_.emplace_back(NodePart{below, first_lane, lane, {}});
+  store(axesOf(nodes_[self]) * axesOf(nodes_[below]).transpose() /
+            static_cast<float>(kShorter * kShorter),
+        part.turn);
+}
+
+void WideTree::refit(const TriangleMesh& mesh, const UnitFrame& frame) {
+  centroids_.frame = frame;
+  fitAll(mesh, Fit::kBoxes);
+}
+
+WideTree::Range WideTree::childrenOf(const Range& nodes) const {
+  const Node& last = nodes_[nodes.end - 1];
+  return {nodes_[nodes.begin].first_node, last.first_node + last.node_count};
+}
+
+WideTree::Range WideTree::packetsOf(const Range& nodes) const {
+  const Node& last = nodes_[nodes.end - 1];
+  return {nodes_[nodes.begin].first_packet, last.first_packet + last.lane_count - last.node_count};
+}
+
+/// First what is below some nodes of one level, side by side; then the rest above.
+void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
+  std::size_t level = 0;
+  const auto end_of = [this](std::size_t number) {
+    return number + 1 < levels_.size() ? levels_[number + 1] : nodes_.size();
+  };
+  const std::size_t wanted = packets_.size() / kPacketGrain;
+  while (level + 1 < levels_.size() && end_of(level) - levels_[level] < wanted) ++level;
+  const std::size_t begin = levels_[level];
+  const std::size_t end = end_of(level);
+  const std::size_t grain = 1 + (end - begin) * kPacketGrain / packets_.size();
   // In the same parts each time, so that sums round the same way.
-  return tbb::parallel_deterministic_reduce(
-      Range(0, packets_.size(), kPacketGrain), HealthTally(),
-      [&](const Range& some, HealthTally tally) {
-        for (std::size_t i = some.begin(); i < some.end(); ++i) tally.add(fill(i, tree, mesh));
+  tally_ = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(begin, end, grain), HealthTally(),
+      [&](const auto& some, HealthTally tally) {
+        tally.add(fitBelow(
+            mesh,
+            {static_cast<std::uint32_t>(some.begin()), static_cast<std::uint32_t>(some.end())},
+            fit));
         return tally;
       },
       [](HealthTally first, const HealthTally& second) {
         first.add(second);
         return first;
       });
+  tally_.add(fill(mesh, {0, nodes_[begin].first_packet}));
+  tally_.rounding = static_cast<double>(mesh.triangleCount()) * HealthTally::kVolumeRounding;
+  enclose({0, static_cast<std::uint32_t>(begin)}, fit);
 }
 
-void WideTree::encloseAll(Fit fit) {
-  std::size_t end = nodes_.size();
-  for (auto level = levels_.rbegin(); level != levels_.rend(); end = *level++) {
-    tbb::parallel_for(Range(*level, end, kNodeGrain), [&](const Range& some) {
-      for (std::size_t i = some.begin(); i < some.end(); ++i) enclose(i, fit);
-    });
-  }
-}
-
-void WideTree::refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
-                     const std::vector<Leaf>& moved) {
-  std::vector<std::uint32_t> touched;  // nodes
-  std::size_t last = packets_.size();
-  for (const Leaf leaf : moved) {
-    const std::size_t packet = places_[index(tree.triangle(leaf))] / kLaneCount;
-    if (packet == last) continue;
-    last = packet;
-    fill(packet, tree, mesh);
-    for (std::uint32_t node = packets_[packet].parent;; node = parents_[node]) {
-      touched.push_back(node);
-      if (node == 0) break;
-    }
-  }
-  std::sort(touched.rbegin(), touched.rend());  // children before parents
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  for (const std::uint32_t node : touched) enclose(node, Fit::kBoxes);
-}
-
-/// Returns what its triangles add to the mesh's health, but for parted corners.
-HealthTally WideTree::fill(std::size_t number, const FarthestPairTree& tree,
-                           const TriangleMesh& mesh) {
-  Packet& packet = packets_[number];
-  PacketCorners corners;
-  for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
-    const Leaf leaf = packet.first_leaf + (lane < packet.lane_count ? lane : 0);
-    const Corners& vertices = mesh.corners(tree.triangle(leaf));
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const Vector3d& position = mesh.position(vertices[corner]);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        corners.position[corner][axis][lane] = position[static_cast<Eigen::Index>(axis)];
-    }
-  }
-  const auto [center, scale] = frame_;
-  const PacketTally found =
-      kernels().fill(corners, {{center.x(), center.y(), center.z()}, scale}, packet);
-
+/// Neighbours of one level and all that is below them. Returns what the triangles add to the
+/// health.
+HealthTally WideTree::fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit) {
   HealthTally tally;
-  tally.volume = found.volume;
-  tally.rounding = packet.lane_count * HealthTally::kVolumeRounding;
-  for (std::uint32_t lane = 0; lane < packet.lane_count && found.maybe_no_area != 0; ++lane) {
-    if ((found.maybe_no_area >> lane & 1U) == 0) continue;
-    const Triangle triangle = mesh.triangle(tree.triangle(packet.first_leaf + lane));
-    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
+  std::vector<Range> levels;
+  for (Range level = nodes; level.begin != level.end; level = childrenOf(level)) {
+    levels.push_back(level);
+    tally.add(fill(mesh, packetsOf(level)));
+  }
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) enclose(*level, fit);
+  return tally;
+}
+
+void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& moved) {
+  std::vector<std::uint32_t> packets;
+  std::vector<std::uint32_t> nodes;
+  const auto touch = [this](std::vector<std::uint32_t>& list, std::uint32_t number,
+                            std::size_t place) {
+    if (touched_[place]) return false;
+    touched_[place] = true;
+    list.push_back(number);
+    return true;
+  };
+  for (const TriangleId triangle : moved) {
+    const std::uint32_t packet = places_[index(triangle)] / kLaneCount;
+    if (!touch(packets, packet, nodes_.size() + packet)) continue;
+    std::uint32_t node = packets_[packet].parent;
+    while (touch(nodes, node, node) && node != 0) node = parents_[node];
+  }
+  std::sort(nodes.rbegin(), nodes.rend());  // children before parents
+  for (const std::uint32_t packet : packets) {
+    tally_.volume -= tallies_[packet].volume;
+    tally_.degenerate_triangles -= flatIn(packet);
+    tally_.add(fill(mesh, {packet, packet + 1}));
+    tally_.rounding += 2.0 * packets_[packet].lane_count * HealthTally::kVolumeRounding;
+    touched_[nodes_.size() + packet] = false;
+  }
+  for (const std::uint32_t node : nodes) {
+    enclose({node, node + 1}, Fit::kBoxes);
+    touched_[node] = false;
+  }
+}
+
+/// Returns what their triangles add to the health, but for the rounding.
+HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& packets) {
+  const auto& [center, scale] = frame();
+  const PlainMesh plain = {mesh.positions().front().data(),
+                           corners_.data(),
+                           {{center.x(), center.y(), center.z()}, scale}};
+  kernels().fill(plain, packets_.data() + packets.begin, packets.end - packets.begin,
+                 centroids_.places.data(), tallies_.data() + packets.begin);
+  HealthTally tally;
+  for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
+    tally.volume += tallies_[number].volume;
+    if (tallies_[number].flat == 0) continue;
+    keepFlat(mesh, number);
+    tally.degenerate_triangles += flatIn(number);
   }
   return tally;
 }
 
-void WideTree::enclose(std::size_t node, Fit fit) {
-  kernels().enclose(nodes_.data(), packets_.data(), static_cast<std::uint32_t>(node), fit);
+/// Leaves those of a packet's flat triangles that are so exactly.
+void WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
+  const Packet& packet = packets_[number];
+  std::uint32_t& flat = tallies_[number].flat;
+  for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) {
+    const auto& [a, b, c] = corners_[packet.first_leaf + lane];
+    if ((flat >> lane & 1U) != 0 &&
+        !collinear(mesh.positions()[a / 3], mesh.positions()[b / 3], mesh.positions()[c / 3]))
+      flat &= ~(1U << lane);
+  }
+}
+
+std::size_t WideTree::flatIn(std::uint32_t packet) const {
+  return std::bitset<kLaneCount>(tallies_[packet].flat).count();
+}
+
+void WideTree::enclose(const Range& nodes, Fit fit) {
+  kernels().enclose({nodes_.data(), packets_.data(), parts_.data(), first_parts_.data()},
+                    nodes.begin, nodes.end, fit);
 }
 
 Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
@@ -310,7 +399,10 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
 std::size_t WideTree::memory() const {
   return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(Packet) +
          parents_.capacity() * sizeof(std::uint32_t) +
-         (places_.capacity() + levels_.capacity()) * sizeof(std::uint32_t);
+         (places_.capacity() + levels_.capacity()) * sizeof(std::uint32_t) +
+         tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
+         corners_.capacity() * sizeof(corners_.front()) +
+         centroids_.places.capacity() * sizeof(centroids_.places.front());
 }
 
 }  // namespace organ_collision::core

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "brute_force.h"
+#include "organ_collision/core/collision_mesh.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
 
@@ -14,12 +15,6 @@ namespace organ_collision::core {
 namespace {
 
 using Set = FarthestPairTree::Set;
-
-FarthestPairTree treeOf(const TriangleMesh& mesh) {
-  Box box;
-  for (const Eigen::Vector3d& position : mesh.positions()) box.add(position);
-  return {mesh, unitFrame(box)};
-}
 
 /// Calls `visit` for every set that is split.
 template <class Visit>
@@ -48,7 +43,7 @@ const std::vector<TriangleMesh>& meshes() {
 
 TEST(FarthestPairTree, HoldsEveryTriangleInExactlyOneLeaf) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree = treeOf(mesh);
+    const FarthestPairTree tree(mesh);
     ASSERT_EQ(tree.root().size(), mesh.triangleCount());
     std::set<TriangleId> all;
     for (FarthestPairTree::Leaf leaf = 0; leaf < tree.root().size(); ++leaf)
@@ -67,7 +62,7 @@ TEST(FarthestPairTree, HoldsEveryTriangleInExactlyOneLeaf) {
 
 TEST(FarthestPairTree, EqualsALiteralTranscriptionOfThePaper) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree = treeOf(mesh);
+    const FarthestPairTree tree(mesh);
     const test::PaperHierarchy paper(mesh);
     std::vector<std::pair<Set, const test::PaperHierarchy::Set*>> open = {
         {tree.root(), &paper.root()}};
@@ -90,9 +85,9 @@ TEST(FarthestPairTree, EqualsALiteralTranscriptionOfThePaper) {
 
 TEST(FarthestPairTree, DoesNotDependOnTheNumbersOfTheTriangles) {
   for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree = treeOf(mesh);
+    const FarthestPairTree tree(mesh);
     const TriangleMesh renumbered = test::shuffled(mesh, 5);
-    const FarthestPairTree other = treeOf(renumbered);
+    const FarthestPairTree other(renumbered);
     forEachSplit(tree, [&](const Set& set) {
       EXPECT_EQ(tree.poles(set), other.poles(set));
       EXPECT_EQ(tree.children(set)[0].end, other.children(set)[0].end);
@@ -105,19 +100,16 @@ TEST(FarthestPairTree, DoesNotDependOnTheNumbersOfTheTriangles) {
 TEST(FarthestPairTree, GreedySearchFollowsTheTrianglesAlsoAfterARefit) {
   std::mt19937 generator(6);
   for (const TriangleMesh& original : meshes()) {
-    TriangleMesh mesh = original;
-    FarthestPairTree tree = treeOf(mesh);
-    Points moved = mesh.positions();
+    CollisionMesh organ(original);
+    Points moved = original.positions();
     for (Eigen::Vector3d& point : moved)
       point = Eigen::Vector3d(point.y() + 1.0, -2.0 * point.x(), point.z() * point.x());
-    mesh.setPositions(moved);
-    Box box;
-    for (const Eigen::Vector3d& point : moved) box.add(point);
-    tree.refit(mesh, unitFrame(box));
+    organ.refit(moved);
     for (int i = 0; i < 300; ++i) {
       const Eigen::Vector3d tip =
           i % 3 == 0 ? moved[generator() % moved.size()] : test::randomPoint(generator, 2.0);
-      ASSERT_EQ(tree.greedySearch(mesh, tip).end, test::greedyLeaf(tree, mesh, tip));
+      const auto path = organ.tree().greedySearch(organ.mesh(), organ.wideTree().centroids(), tip);
+      ASSERT_EQ(path.end, test::greedyLeaf(organ.tree(), organ.mesh(), tip));
     }
   }
 }
@@ -133,9 +125,9 @@ TEST(FarthestPairTree, CoincidentTrianglesEndInALogarithmOfLevels) {
     }
     triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
   }
-  EXPECT_LE(treeOf(TriangleMesh(points, triangles)).depth(), 64U);
+  EXPECT_LE(FarthestPairTree(TriangleMesh(points, triangles)).depth(), 64U);
   const std::vector<Corners> copies(1000, test::corners(0, 1, 2));
-  EXPECT_EQ(treeOf(TriangleMesh(points, copies)).depth(), 10U);
+  EXPECT_EQ(FarthestPairTree(TriangleMesh(points, copies)).depth(), 10U);
 }
 
 TEST(FarthestPairTree, ExponentiallySpacedTrianglesGoDeepWithoutRecursion) {
@@ -146,13 +138,13 @@ TEST(FarthestPairTree, ExponentiallySpacedTrianglesGoDeepWithoutRecursion) {
     points.insert(points.end(), {{x, 0, 0}, {x, x, 0}, {x, 0, x}});
     triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
   }
-  const FarthestPairTree tree = treeOf(TriangleMesh(points, triangles));
+  const FarthestPairTree tree(TriangleMesh(points, triangles));
   EXPECT_GT(tree.depth(), 300U);
 }
 
 TEST(FarthestPairTree, OfOneTriangleIsALeaf) {
   const TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {test::corners(0, 1, 2)});
-  const FarthestPairTree tree = treeOf(mesh);
+  const FarthestPairTree tree(mesh);
   EXPECT_TRUE(tree.root().isLeaf());
   EXPECT_EQ(tree.depth(), 0U);
 }

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/lane_vector.h"
+
 namespace organ_collision::core {
 namespace {
 
@@ -55,6 +57,35 @@ TYPED_TEST(LanesOf, AreCalculatedOneByOne) {
   }
   EXPECT_EQ(leastOf(x), TypeParam{-2.5});
   EXPECT_EQ(leastOf(Lanes<TypeParam>{} - x), TypeParam{-4.5});
+  EXPECT_EQ(mostOf(x), TypeParam{4.5});
+  EXPECT_EQ(sumOf(x), TypeParam{8});
+}
+
+TEST(Lanes, AreFoldedRowByRow) {
+  Lanes<float> rows[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    alignas(64) float values[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane)
+      values[lane] = static_cast<float>(10 * i + (3 * lane + i) % kLanes);
+    rows[i] = Lanes<float>::load(values);
+  }
+  for (std::uint32_t i = 0; i < kLanes; ++i) {
+    EXPECT_EQ(leastOfEach(rows)[i], leastOf(rows[i]));
+    EXPECT_EQ(mostOfEach(rows)[i], mostOf(rows[i]));
+  }
+}
+
+TEST(Lanes, AreGatheredFromAnywhere) {
+  double points[3 * kLanes];
+  for (int i = 0; i < 3 * kLanes; ++i) points[i] = i;
+  const auto number = [](std::uint32_t lane) { return 5 * lane % kLanes; };
+  const LaneVector<double> gathered =
+      gather([&](std::uint32_t lane) { return points + 3 * number(lane); });
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    EXPECT_EQ(gathered.x[lane], 3 * number(lane));
+    EXPECT_EQ(gathered.y[lane], 3 * number(lane) + 1);
+    EXPECT_EQ(gathered.z[lane], 3 * number(lane) + 2);
+  }
 }
 
 TYPED_TEST(LanesOf, GiveTheSecondWhereTheFirstIsNotANumber) {

@@ -69,6 +69,10 @@ TEST_P(EachVectorUnit, ChangesNoBitOfAHierarchy) {
     };
     expect_same_parts(expected.wideTree().nodes(), found.wideTree().nodes());
     expect_same_parts(expected.wideTree().packets(), found.wideTree().packets());
+    EXPECT_EQ(found.wideTree().centroids().places, expected.wideTree().centroids().places);
+    EXPECT_EQ(found.wideTree().tally().volume, expected.wideTree().tally().volume);
+    EXPECT_EQ(found.health().box.low, expected.health().box.low);
+    EXPECT_EQ(found.health().box.high, expected.health().box.high);
     EXPECT_EQ(warnings(found.health()), warnings(expected.health()));
   };
   for (const CollisionMesh& organ : organs()) {

@@ -42,17 +42,16 @@ class CollisionMesh {
 
  private:
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
-  HealthTally tallyOf(const std::vector<TriangleId>& triangles) const;
   void refitAll();
+  void updateHealth(const Box& box);
 
   TriangleMesh mesh_;
   std::shared_ptr<const MeshTopology>
       topology_;  // the same for every copy: refitting changes positions only
-  UnitFrame frame_;
-  HealthTally tally_;
-  MeshHealth health_;
   FarthestPairTree tree_;
   WideTree wide_tree_;
+  std::size_t parted_corners_ = 0;
+  MeshHealth health_;
 };
 
 }  // namespace organ_collision::core

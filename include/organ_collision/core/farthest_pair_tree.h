@@ -34,15 +34,7 @@ class FarthestPairTree {
   };
 
   /// O(n log n) for organs (see farthestPair()), on all cores.
-  FarthestPairTree(const TriangleMesh& mesh, const UnitFrame& frame);
-
-  /// Takes over the positions of `mesh`, which must have the topology that the tree was built from:
-  /// the poles move with their triangles, the splits stay. O(n).
-  void refit(const TriangleMesh& mesh, const UnitFrame& frame);
-
-  /// The same where only the triangles of `moved` (leaves, ascending) have moved, in the frame of
-  /// the last refit. O(k log n) for k leaves.
-  void refit(const TriangleMesh& mesh, const std::vector<Leaf>& moved);
+  explicit FarthestPairTree(const TriangleMesh& mesh);
 
   Set root() const { return {0, static_cast<Leaf>(leaves_.size()), 0}; }
   /// REQUIRES: not a leaf.
@@ -56,40 +48,38 @@ class FarthestPairTree {
   const std::array<Leaf, 2>& poles(const Set& set) const { return nodes_[set.node].poles; }
   TriangleId triangle(Leaf leaf) const { return leaves_[leaf]; }
 
+  /// Where the triangles are, as well as single precision can tell.
+  struct Centroids {
+    UnitFrame frame;
+    std::vector<std::array<float, 3>> places;  ///< in that frame, of each leaf
+  };
+
   /// Where the paper's search leads: go to the child whose pole is nearer to `tip` [m], of equally
-  /// near ones to the second, until one triangle is left. A product of vectors a level; only where
-  /// rounding could decide wrongly, the poles themselves are measured.
+  /// near ones to the second, until one triangle is left. Only where the rounding of `centroids`
+  /// could decide wrongly, those of `mesh` are measured.
   struct GreedyPath {
     Leaf end;
     std::uint32_t nodes;  ///< on the way
   };
-  GreedyPath greedySearch(const TriangleMesh& mesh, const Eigen::Vector3d& tip) const;
+  GreedyPath greedySearch(const TriangleMesh& mesh, const Centroids& centroids,
+                          const Eigen::Vector3d& tip) const;
 
   std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a leaf
   std::size_t memory() const;                   ///< [bytes]
 
  private:
-  /// A split: two to a cache line. The plane lies in the middle between the poles, in the unit
-  /// frame: normal * x - offset < 0 on the first pole's side.
   struct Node {
-    std::array<float, 3> normal;
-    float offset;
     std::array<Leaf, 2> poles;
     std::uint32_t first_size;  // leaves of the first child
-    std::uint32_t unused;
   };
 
   class Builder;
 
-  Eigen::Vector3d centroidInFrame(const TriangleMesh& mesh, Leaf leaf) const;
-  static void placePlane(Node& node, const Eigen::Vector3d& first_pole,
-                         const Eigen::Vector3d& second_pole);
   bool isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
                            const Eigen::Vector3d& tip) const;
 
   std::vector<Node> nodes_;
   std::vector<TriangleId> leaves_;
-  UnitFrame frame_;
   std::size_t depth_ = 0;
 };
 

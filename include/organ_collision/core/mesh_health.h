@@ -24,8 +24,7 @@ struct MeshHealth {
   bool isSolid() const { return closed && consistently_wound; }
 };
 
-/// What triangles add to their mesh's health: when some move, what they added before is taken off
-/// and what they add then is put on.
+/// What triangles add to their mesh's health.
 struct HealthTally {
   std::size_t degenerate_triangles = 0;
   std::size_t parted_corners = 0;  ///< that are no longer where their weld is
@@ -37,15 +36,14 @@ struct HealthTally {
   static constexpr double kVolumeRounding = 0x1p-49 * 4 * 4 * 4;
 
   void add(const HealthTally& other);
-  void remove(const HealthTally& other);
 };
 
-/// Of one triangle.
-HealthTally tallyOf(TriangleId triangle, const TriangleMesh& mesh, const MeshTopology& topology,
-                    const UnitFrame& frame);
 /// Of all triangles. O(n).
 HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology, const UnitFrame& frame);
-/// Those of all triangles that are no longer where their weld is. O(n), if there are welds.
+/// Corners of some triangles that are no longer where their weld is.
+std::size_t partedCorners(const std::vector<TriangleId>& triangles, const TriangleMesh& mesh,
+                          const MeshTopology& topology);
+/// The same of all triangles. O(n), if there are welds.
 std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology);
 
 /// Of all triangles. O(n).

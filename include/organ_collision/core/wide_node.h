@@ -30,4 +30,18 @@ struct alignas(64) TrianglePacket {
   std::uint32_t parent;  ///< node
 };
 
+/// Lanes of a node that boxes of one above are drawn around.
+struct NodePart {
+  std::uint32_t node;
+  std::uint8_t first_lane;                   ///< and all after it
+  std::uint8_t lane;                         ///< of the node above
+  std::array<std::array<float, 3>, 3> turn;  ///< to the axes above
+};
+
+/// What a packet's triangles add to their mesh's health.
+struct PacketTally {
+  double volume;       ///< six times, in the unit frame
+  std::uint32_t flat;  ///< the lanes, by bits, of triangles of zero area
+};
+
 }  // namespace organ_collision::core

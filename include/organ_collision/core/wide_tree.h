@@ -14,6 +14,8 @@
 
 namespace organ_collision::core {
 
+enum class Fit : std::uint8_t;
+
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
 /// their boxes in the node's own orientation (seen from outside, a surface looks equidistant to
 /// boxes along the axes), and below them packets of up to eight triangles. All in single precision,
@@ -24,8 +26,6 @@ namespace organ_collision::core {
 /// children come after parents, level by level; lanes that are not in use repeat others.
 /// Sources: A. Dammertz et al., "Shallow bounding volume hierarchies" (2008), for wide nodes;
 /// S. Gottschalk et al., "OBBTree" (1996), for the orientation.
-enum class Fit : std::uint8_t;
-
 class WideTree {
  public:
   using Leaf = FarthestPairTree::Leaf;
@@ -35,16 +35,17 @@ class WideTree {
 
   WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// Takes over the positions of `mesh`; sets and orientations stay. Returns what the triangles add
-  /// to the mesh's health but for parted corners, as it passes them all. O(n), on all cores.
+  /// Takes over the positions of `mesh`; sets and orientations stay. O(n), on all cores.
   /// Source: G. van den Bergen, "Efficient collision detection of complex deformable models using
   /// AABB trees" (1997).
-  HealthTally refit(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
+  void refit(const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// The same where only the triangles of `moved` (leaves, ascending) have moved, in the frame of
-  /// the last refit. O(k log n) for k leaves.
-  void refit(const FarthestPairTree& tree, const TriangleMesh& mesh,
-             const std::vector<Leaf>& moved);
+  /// The same where only triangles of `moved` have moved, in the frame of the last refit.
+  /// O(k log n) for k triangles.
+  void refit(const TriangleMesh& mesh, const std::vector<TriangleId>& moved);
+
+  /// What the triangles add to their mesh's health, but for parted corners.
+  const HealthTally& tally() const { return tally_; }
 
   /// A box along the axes of the unit frame around what is in a lane of a node.
   Box boxOf(const Node& node, std::uint32_t lane) const;
@@ -53,7 +54,8 @@ class WideTree {
     const std::uint32_t place = places_[index(triangle)];
     return packets_[place / kLaneCount].first_leaf + place % kLaneCount;
   }
-  const UnitFrame& frame() const { return frame_; }
+  const UnitFrame& frame() const { return centroids_.frame; }
+  const FarthestPairTree::Centroids& centroids() const { return centroids_; }
   const std::vector<Node>& nodes() const { return nodes_; }  ///< the root first
   const std::vector<Packet>& packets() const { return packets_; }
 
@@ -62,20 +64,38 @@ class WideTree {
 
  private:
   class Collapse;
+  struct Range {
+    std::uint32_t begin, end;
+  };
 
   void addChildren(const FarthestPairTree& tree, const Collapse& collapse, std::uint32_t self,
                    std::vector<Set>& sets);
-  HealthTally fill(std::size_t packet, const FarthestPairTree& tree, const TriangleMesh& mesh);
-  HealthTally fillAll(const FarthestPairTree& tree, const TriangleMesh& mesh);
-  void encloseAll(Fit fit);
-  void enclose(std::size_t node, Fit fit);
+  Range childrenOf(const Range& nodes) const;
+  Range packetsOf(const Range& nodes) const;
+  void listCorners(const FarthestPairTree& tree, const TriangleMesh& mesh);
+  void listParts();
+  void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
+  void fitAll(const TriangleMesh& mesh, Fit fit);
+  HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
+  HealthTally fill(const TriangleMesh& mesh, const Range& packets);
+  void keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
+  std::size_t flatIn(std::uint32_t packet) const;
+  void enclose(const Range& nodes, Fit fit);
 
-  UnitFrame frame_;
+  FarthestPairTree::Centroids centroids_;
   std::vector<Node> nodes_;
   std::vector<Packet> packets_;
-  std::vector<std::uint32_t> parents_;  // of the nodes
-  std::vector<std::uint32_t> places_;   // of each triangle: its packet * 8 + its lane
-  std::vector<std::uint32_t> levels_;   // the first node of each
+  std::vector<PacketTally> tallies_;  // of the packets
+  HealthTally tally_;
+  std::vector<bool> touched_;  // nodes, then packets; none but while some are refitted
+
+  // The rest stays as it was built.
+  std::vector<std::array<std::uint32_t, 3>> corners_;  // of each leaf: three times their numbers
+  std::vector<NodePart> parts_;                        // one node's after another's
+  std::vector<std::uint32_t> first_parts_;             // of each node and, one more, their end
+  std::vector<std::uint32_t> parents_;                 // of the nodes
+  std::vector<std::uint32_t> places_;  // of each triangle: its packet * 8 + its lane
+  std::vector<std::uint32_t> levels_;  // the first node of each
 };
 
 }  // namespace organ_collision::core
