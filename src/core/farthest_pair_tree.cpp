@@ -210,8 +210,8 @@ FarthestPairTree::GreedyPath FarthestPairTree::greedySearch(const TriangleMesh& 
   const auto of_apart = static_cast<float>(kApartRounding * reach);
   const auto absolute = static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh));
   const Eigen::Vector3f q = unit_tip.cast<float>();
-  Set set = root();
   std::uint32_t nodes = 0;
+  Set set = root();
   for (; !set.isLeaf(); ++nodes) {
     const Node& node = nodes_[set.node];
     const Eigen::Map<const Eigen::Vector3f> first(centroids.places[node.poles[0]].data());
@@ -219,19 +219,18 @@ FarthestPairTree::GreedyPath FarthestPairTree::greedySearch(const TriangleMesh& 
     // The difference of the squared distances.
     const Eigen::Vector3f apart = second - first;
     const Eigen::Vector3f offset = (q - first) + (q - second);
-    float side = apart.dot(offset);
+    const float side = apart.dot(offset);
     const float rounding =
         of_apart * apart.lpNorm<1>() + kOffsetRounding * offset.lpNorm<1>() + absolute;
     // Not a number: not sure.
-    if (!(std::abs(side) > rounding)) side = isNearerToFirstPole(mesh, node, tip) ? -1.0F : 1.0F;
-    // Without a branch, half of which would be mispredicted.
-    std::int32_t bits = 0;
-    std::memcpy(&bits, &side, sizeof bits);
-    const auto in_first = static_cast<std::uint32_t>(bits >> 31);
-    const std::uint32_t passed = node.first_size & ~in_first;
-    set.begin += passed;
-    set.end ^= (set.end ^ (set.begin + node.first_size)) & in_first;
-    set.node += passed + (in_first & 1U);
+    const bool in_first =
+        std::abs(side) > rounding ? side < 0.0F : isNearerToFirstPole(mesh, node, tip);
+    // As children() tells, but without both of them in memory.
+    if (in_first) {
+      set = {set.begin, set.begin + node.first_size, set.node + 1};
+    } else {
+      set = {set.begin + node.first_size, set.end, set.node + node.first_size};
+    }
   }
   return {set.begin, nodes};
 }

@@ -94,7 +94,9 @@ class NearestSearch : protected Search {
       --leaves_left;
       ++triangles;
     }
-    if (beyond_) {
+    if (leaves_left == 0) {
+      unopened = 0.0;
+    } else if (beyond_) {
       measureAll();
     } else {
       kernels().walk(*this);
@@ -158,7 +160,7 @@ class NearestSearch : protected Search {
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
 /// proven.
-NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest);
+NearestTriangle withSign(const CollisionMesh& organ, const NearestTriangle& nearest);
 /// REQUIRES: `normal` is the surface's at the nearest point.
 NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
                          const SurfaceNormal& normal);

@@ -21,7 +21,7 @@ WaitingSets scratch(std::size_t depth) {
   return {squares.data(), sets.data()};
 }
 
-NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest) {
+NearestTriangle withSign(const CollisionMesh& organ, const NearestTriangle& nearest) {
   return withSign(organ, nearest, surfaceNormal(organ, nearest.triangle, nearest.closest.feature));
 }
 
