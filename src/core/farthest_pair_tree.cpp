@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <tuple>
 
 #include "organ_collision/core/closest_point.h"
