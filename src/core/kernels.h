@@ -46,8 +46,8 @@ struct PlainBox {
 struct Kernels {
   /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
   void (*walk)(Search& search);
-  /// Looks at the packets that are followed, after the tip has moved by at most `step`.
-  void (*follow)(Search& search, double step);
+  /// Looks again at what is followed and may be nearest after the drift.
+  void (*follow)(Search& search);
   /// Walks through two trees at once.
   void (*walkPairs)(PairSearch& search);
   /// Looks at the pairs that are followed, after the surfaces have moved by at most `step`.

@@ -78,7 +78,7 @@ class NearestSearch : protected Search {
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
     stack = scratch(tree.depth());
     Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
-      static_cast<NearestSearch&>(search).measure(leaf);
+      return static_cast<NearestSearch&>(search).measure(leaf);
     };
     share = 1.0 / (1.0 + accuracy.max_relative_error);
     allowance = accuracy.max_absolute_error * scale_;
@@ -105,17 +105,20 @@ class NearestSearch : protected Search {
   }
 
  protected:
-  void measure(FarthestPairTree::Leaf leaf) {
-    if (squared_best_ == 0.0 && leaf > best_leaf) return;
+  double measure(FarthestPairTree::Leaf leaf) {
+    if (squared_best_ == 0.0 && leaf > best_leaf) return 0.0;
     const ClosestPair candidate =
         tip_.measure(organ_.mesh().triangle(organ_.tree().triangle(leaf)));
     const double squared_distance = candidate.on_second.squared_distance;
-    if (squared_distance > squared_best_ || (squared_distance == squared_best_ && leaf > best_leaf))
-      return;
-    pair_ = candidate;
-    best_leaf = leaf;
-    squared_best_ = squared_distance;
-    best = std::min(best, std::sqrt(squared_distance) * scale_);
+    const double unit_distance = std::sqrt(squared_distance) * scale_;
+    if (squared_distance < squared_best_ ||
+        (squared_distance == squared_best_ && leaf < best_leaf)) {
+      pair_ = candidate;
+      best_leaf = leaf;
+      squared_best_ = squared_distance;
+      best = std::min(best, unit_distance);
+    }
+    return unit_distance;
   }
 
   void measureAll() {

@@ -16,14 +16,17 @@ struct WaitingSets {
   std::uint32_t* sets;
 };
 
-/// The packets that may hold what is nearest to a tip while it moves.
+/// The packets that may hold what is nearest to a tip while it moves. Bounds are kept as they were
+/// plus the drift of their time, so that less the drift of today they still hold.
 struct Followed {
   static constexpr std::uint32_t kMost = 64;
-  alignas(64)
-      std::array<float, kMost> bounds = {};  ///< at least so far from the tip; first the nearest
+  alignas(64) std::array<float, kMost> bounds = {};  ///< of the packets' triangles, the least
+  alignas(64) std::array<LaneFloats, kMost> lanes;   ///< of each triangle
   std::array<std::uint32_t, kMost> packets;
   std::uint32_t count = 0;
-  double clear;  ///< at least so far is all else
+  std::uint32_t nearest;  ///< leaf
+  double clear;           ///< of all else, the least
+  double drift;  ///< so far at most have tip and mesh moved towards each other since the walk
 };
 
 /// One search: what it is given, what it knows, what it has found. Lengths in the unit frame.
@@ -38,8 +41,9 @@ struct Search {
   WaitingSets stack;        ///< room for 7 to a level, and 9
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
-  /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
-  void (*measure)(Search& search, std::uint32_t leaf);
+  /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its
+  /// distance, or 0 where it matters no more.
+  double (*measure)(Search& search, std::uint32_t leaf);
   double best;              ///< the nearest triangle is not farther
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
 

@@ -51,48 +51,34 @@ class Walk {
       while ((set & kPacketBit) == 0) set = open(search_.nodes[set], stack);
       if (set == kNoSet) continue;
       const std::uint32_t packet = set & ~kPacketBit;
-      note(packet, isTooLate(search_.packets[packet]) ? 0 : scan(search_.packets[packet]));
+      note(packet,
+           isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]));
     }
     for (; !stack.isEmpty(); stack.pop()) leaveOutBox(stack.square());
     if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
     finish();
   }
 
-  /// The same over the packets that are followed, with their bounds brought up to date.
-  void follow(float step) {
+  /// The same over the packets that are followed.
+  void follow() {
     Followed& followed = *search_.followed;
-    // What rounding takes is less than what a bound is lowered by besides.
-    const Lanes<float> kept = Lanes<float>::all(1 - 4 * kRoundoff<float>);
-    for (std::uint32_t i = 0; i < followed.count; i += kLaneCount)
-      (kept * Lanes<float>::load(&followed.bounds[i]) - Lanes<float>::all(step))
-          .store(&followed.bounds[i]);
-    scanFollowed(0);
-    std::uint32_t nearest = 0;
-    for (std::uint32_t i = 0; i < followed.count; i += kLaneCount) {
-      const Lanes<float> bounds = Lanes<float>::load(&followed.bounds[i]);
-      for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_)).bits(); rest != 0;
+    const auto drift = static_cast<float>(followed.drift * (1 + kKept));
+    const float nearest = kept(static_cast<Real>(measure(followed.nearest)));
+    for (std::uint32_t first = 0; first < followed.count; first += kLaneCount) {
+      const Lanes<float> bounds = Lanes<float>::load(&followed.bounds[first]);
+      for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_ + drift)).bits(); rest != 0;
            rest &= rest - 1) {
-        const std::uint32_t one = i + lowestBit(rest);
-        if (one == 0 || one >= followed.count || isTooLate(search_.packets[followed.packets[one]]))
-          continue;
-        scanFollowed(one);
-        if (followed.bounds[one] < followed.bounds[nearest]) nearest = one;
+        const std::uint32_t i = first + lowestBit(rest);
+        if (i < followed.count && !isTooLate(search_.packets[followed.packets[i]]))
+          lookAgain(i, reach_ + drift, nearest);
       }
     }
     finish();
-    swap(followed.bounds[0], followed.bounds[nearest]);
-    swap(followed.packets[0], followed.packets[nearest]);
+    followed.nearest = search_.best_leaf;
   }
 
  private:
   static constexpr bool kIsPoint = kCorners == 1;
-
-  template <class T>
-  static void swap(T& a, T& b) {
-    const T c = a;
-    a = b;
-    b = c;
-  }
 
   /// What was left out because it was farther than the best of its time is farther than the last.
   bool isExact() const {
@@ -119,21 +105,45 @@ class Walk {
     return search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
   }
 
-  void scanFollowed(std::uint32_t i) {
-    Followed& followed = *search_.followed;
-    followed.bounds[i] = inFloat(scan(search_.packets[followed.packets[i]]));
+  /// What rounding takes from a bound that is kept is less than this part of it.
+  static constexpr float kKept = 4 * kRoundoff<float>;
+  /// A bound of today, as it is kept.
+  float kept(Real bound) const {
+    const auto drift = static_cast<Real>(search_.followed->drift);
+    return inFloat((bound + drift - Real{kTiny}) * (1 - Real{kKept}));
+  }
+  Lanes<Real> kept(const Lanes<Real>& bounds) const {
+    const auto drift = static_cast<Real>(search_.followed->drift);
+    return (bounds + Lanes<Real>::all(drift)) * Lanes<Real>::all(1 - Real{kKept});
   }
 
-  /// To follow a packet whose nearest triangle is not nearer than `bound`.
-  void note(std::uint32_t packet, Real bound) {
+  /// Brings the bounds of a packet up to date that may be within `reach`, as bounds are kept; that
+  /// of the triangle that was nearest is known.
+  void lookAgain(std::uint32_t i, float reach, float nearest) {
+    Followed& followed = *search_.followed;
+    const TrianglePacket& packet = search_.packets[followed.packets[i]];
+    LaneFloats& lanes = followed.lanes[i];
+    const std::uint32_t nearest_lane = followed.nearest - packet.first_leaf;
+    if (nearest_lane < packet.lane_count) lanes[nearest_lane] = kFloatInfinity;
+    if ((Lanes<float>::load(lanes.data()) <= Lanes<float>::all(reach)).bits() != 0)
+      kept(scan(packet)).storeRounded(lanes);
+    if (nearest_lane < packet.lane_count) lanes[nearest_lane] = nearest;
+    followed.bounds[i] = leastOf(Lanes<float>::load(lanes.data()));
+  }
+
+  /// To follow a packet whose triangles are not nearer than `bounds`.
+  void note(std::uint32_t packet, const Lanes<Real>& bounds) {
     if (search_.followed == nullptr) return;
     Followed& followed = *search_.followed;
-    if (followed.count < Followed::kMost) {
-      followed.packets[followed.count] = packet;
-      followed.bounds[followed.count++] = inFloat(bound);
-    } else if (bound < followed.clear) {
-      followed.clear = bound;
+    if (followed.count == Followed::kMost) {
+      const Real least = leastOf(bounds);
+      if (least < followed.clear) followed.clear = least;
+      return;
     }
+    const std::uint32_t i = followed.count++;
+    followed.packets[i] = packet;
+    kept(bounds).storeRounded(followed.lanes[i]);
+    followed.bounds[i] = leastOf(Lanes<float>::load(followed.lanes[i].data()));
   }
 
   void look() {
@@ -270,7 +280,7 @@ class Walk {
 
   /// Looks at the triangles of a packet: those that may be nearest are to be measured. All are at
   /// least as far as what it returns if packets are followed.
-  Real scan(const TrianglePacket& packet) {
+  Lanes<Real> scan(const TrianglePacket& packet) {
     Real rounding = 0;
     const Range<Real> range = rangeOf(packet, rounding);
     const Lanes<Real> bounds = range.low - Lanes<Real>::all(rounding);
@@ -305,8 +315,7 @@ class Walk {
       may_meet = may_meet || bound[lane] <= 0;
     }
     if (!kIsPoint && may_meet) measureCandidates();  // then hardly anything else matters
-    if (search_.followed == nullptr) return 0;
-    return leastOf(select(used, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
+    return select(used, bounds, Lanes<Real>::all(Real{kFloatInfinity}));
   }
 
   /// Measures exactly what still may be nearest.
@@ -321,10 +330,11 @@ class Walk {
     }
   }
 
-  void measure(std::uint32_t leaf) {
-    search_.measure(search_, leaf);
+  double measure(std::uint32_t leaf) {
+    const double distance = search_.measure(search_, leaf);
     look();
     promised_ = promised_ && leaf != promised_leaf_;
+    return distance;
   }
 
   Search& search_;
@@ -362,11 +372,10 @@ inline void walk(Search& search) {
 }
 
 /// REQUIRES: the tip is near.
-inline void follow(Search& search, double step) {
-  const auto most = static_cast<float>(step * (1.0 + 0x1p-20) + 0x1p-100);
-  if (search.corner_count == 1) Walk<float, 1>(search).follow(most);
-  if (search.corner_count == 2) Walk<float, 2>(search).follow(most);
-  if (search.corner_count == 3) Walk<float, 3>(search).follow(most);
+inline void follow(Search& search) {
+  if (search.corner_count == 1) Walk<float, 1>(search).follow();
+  if (search.corner_count == 2) Walk<float, 2>(search).follow();
+  if (search.corner_count == 3) Walk<float, 3>(search).follow();
 }
 
 }  // namespace

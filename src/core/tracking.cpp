@@ -88,18 +88,19 @@ class TrackedSearch : private NearestSearch<Tip> {
         memory_.motion.travel > motion_.travel || memory_.scale != this->scale_ ||
         memory_.corner_count != this->tip_.corners().size())
       return false;
-    const double step = this->step();
-    double& clear = memory_.followed.clear;
-    clear -= step + 0x1p-50 * clear;
-    if (!(clear > 0.0)) return false;
-    kernels().follow(*this, step);
-    this->bounds += memory_.followed.count;
-    return this->best < clear;
+    constexpr double kKept = 1 - 0x1p-40;  // rounding takes less from sums of steps
+    Followed& near = memory_.followed;
+    near.drift += this->step();
+    if (!(near.drift < near.clear * kKept)) return false;
+    kernels().follow(*this);
+    this->bounds += near.count;
+    return this->best + near.drift < near.clear * kKept;
   }
 
   void walk() {
     Followed& near = memory_.followed;
     near.count = 0;
+    near.drift = 0.0;
     near.clear = this->unopened = std::numeric_limits<double>::infinity();
     if (!memory_.valid)
       memory_.slack =
@@ -108,10 +109,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     kernels().walk(*this);
     if (near.count < kFewPackets) memory_.slack *= kSlackStep;
     if (near.count > kManyPackets) memory_.slack /= kSlackStep;
-    const auto begin = near.bounds.begin();
-    const auto nearest = std::min_element(begin, begin + near.count);
-    std::swap(near.packets[0], near.packets[static_cast<std::size_t>(nearest - begin)]);
-    std::iter_swap(begin, nearest);
+    near.nearest = this->best_leaf;
   }
 
   bool isNormalKnown(const NearestTriangle& nearest) const {
