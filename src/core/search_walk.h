@@ -324,7 +324,7 @@ class Walk {
       const Candidate candidate = candidates_.takeNearest();
       if (static_cast<Real>(candidate.bound) > reach_) {
         leaveOut(candidate.bound);
-      } else {
+      } else if (candidate.leaf != search_.best_leaf) {
         measure(candidate.leaf);
       }
     }
