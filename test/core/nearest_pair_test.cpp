@@ -166,6 +166,29 @@ TEST(NearestPair, SwappedHasTheSameDistance) {
                    });
 }
 
+TEST(NearestPair, MovingBothChangesNothingButRounding) {
+  std::mt19937 generator(87);
+  for (const CollisionMesh& second : surfaces()) {
+    const Isometry3d move = test::randomPose(generator, 1.0);
+    Points positions = second.mesh().positions();
+    for (Vector3d& position : positions) position = move * position;
+    const CollisionMesh moved({positions, second.mesh().triangles()});
+    for (const CollisionMesh& first : surfaces()) {
+      for (std::size_t i = 0; i < queryCount(50); ++i) {
+        const Isometry3d pose = randomPlacement(generator, first, second);
+        const NearestTriangle before = nearestPair(first, pose, second).nearest;
+        const NearestTriangle after = nearestPair(first, move * pose, moved).nearest;
+        constexpr double kRoundings = 16;  // of the coordinates in two places
+        const double slack =
+            kRoundings * (test::rounding(second, pose.translation()) +
+                          test::rounding(first, {0, 0, 0}) + test::rounding(moved, {0, 0, 0}));
+        ASSERT_TRUE(std::abs(before.distance - after.distance) <= slack ||
+                    std::abs(before.distance) <= slack);
+      }
+    }
+  }
+}
+
 TEST(NearestPair, OfSurfacesOfUnlikeSizesEqualsBruteForceBitForBit) {
   std::mt19937 generator(80);
   const CollisionMesh organ(test::blob(2));
