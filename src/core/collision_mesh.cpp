@@ -69,11 +69,15 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
   const bool on_face = std::any_of(moved.begin(), moved.end(), [this](VertexId vertex) {
     return isOnFace(mesh_.position(vertex), health_.box);
   });
-  mesh_.setPositions(moved, positions);
+  mesh_.move(moved, positions);
   if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
   Box box = on_face ? boxOf(mesh_) : health_.box;
-  for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
+  if (mesh_.usesAllVertices()) {
+    for (const Eigen::Vector3d& position : positions) box.add(position);
+  } else {
+    for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
+  }
   if (!fits(box, wide_tree_.frame())) {
     refitAll();
     return;

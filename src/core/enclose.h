@@ -12,6 +12,7 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-18F;
+/// Of the reach of boxes that are not widened yet.
 constexpr float kRadiusRounding = 1.0F + 0x1p-16F;
 /// Axes are so much shorter than 1, or rounding them could make turning a vector lengthen it.
 constexpr float kShorter = 1.0F - 0x1p-20F;
@@ -54,8 +55,8 @@ inline Turn turnOf(const WideNode& node) {
   return {vectorOf(node.axes[0]), vectorOf(node.axes[1]), vectorOf(node.axes[2])};
 }
 
-inline LaneBox boxOfCorners(const TrianglePacket& packet, const Vector<float>& offset,
-                            const Turn& turn) {
+[[gnu::always_inline]] inline LaneBox boxOfCorners(const TrianglePacket& packet,
+                                                   const Vector<float>& offset, const Turn& turn) {
   const LaneVector<float> corner = load<float>(packet.corner) + everywhere(offset);
   const LaneVector<float> a = turn(corner);
   const LaneVector<float> b = turn(corner + load<float>(packet.edge1));

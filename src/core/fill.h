@@ -42,13 +42,32 @@ inline void storeCentroids(const LaneVector<double>& centroids, const TrianglePa
                            std::array<float, 3>* places) {
   alignas(64) LanePoints rounded;
   storeRounded(centroids, rounded);
+#if defined(__AVX512F__)
+  // 24 numbers in the order of memory, of which the lanes in use are stored.
+  using Eight __attribute__((vector_size(32))) = float;
+  using Sixteen __attribute__((vector_size(64))) = float;
+  const auto* rows = reinterpret_cast<const Eight*>(&rounded);
+  const Sixteen xy = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+                                             12, 13, 14, 15);
+  const Sixteen z =
+      __builtin_shufflevector(rows[2], rows[2], 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+  const Sixteen first =
+      __builtin_shufflevector(xy, z, 0, 8, 16, 1, 9, 17, 2, 10, 18, 3, 11, 19, 4, 12, 20, 5);
+  const Sixteen last =
+      __builtin_shufflevector(xy, z, 13, 21, 6, 14, 22, 7, 15, 23, 0, 0, 0, 0, 0, 0, 0, 0);
+  const std::uint32_t used = (1U << (3 * packet.lane_count)) - 1;
+  float* place = places[packet.first_leaf].data();
+  __builtin_ia32_storeups512_mask(place, first, static_cast<std::uint16_t>(used));
+  __builtin_ia32_storeups512_mask(place + 16, last, static_cast<std::uint16_t>(used >> 16));
+#else
 #pragma GCC unroll 8
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
     places[leafIn(packet, lane)] = {rounded[0][lane], rounded[1][lane], rounded[2][lane]};
+#endif
 }
 
-inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
-                           std::array<float, 3>* centroids) {
+[[gnu::always_inline]] inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
+                                                  std::array<float, 3>* centroids) {
   const LaneVector<double> a = cornerOf(mesh, packet, 0);
   const LaneVector<double> b = cornerOf(mesh, packet, 1);
   const LaneVector<double> c = cornerOf(mesh, packet, 2);

@@ -52,6 +52,7 @@ struct Kernels {
   void (*walkPairs)(PairSearch& search);
   /// Looks at the pairs that are followed, after the surfaces have moved by at most `step`.
   void (*followPairs)(PairSearch& search, double step);
+  /// REQUIRES: there is a point.
   PlainBox (*boxOf)(const double* points, std::size_t count);
   /// Takes over where the triangles of `count` packets are, and the centroid of each leaf. Who may
   /// be flat, as far as rounding can tell, is said to be.
@@ -66,6 +67,9 @@ struct Kernels {
 extern const Kernels kBaselineKernels;
 extern const Kernels kAvx2Kernels;
 extern const Kernels kAvx512Kernels;
+
+/// Of at least one point, on all cores.
+PlainBox boxOfPoints(const double* points, std::size_t count);
 
 /// Those of vectorUnit(). All of them give the same answers, bit for bit.
 const Kernels& kernels();

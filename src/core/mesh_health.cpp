@@ -64,7 +64,7 @@ std::size_t partedCorners(const std::vector<TriangleId>& triangles, const Triang
 Box boxOf(const TriangleMesh& mesh) {
   if (mesh.usesAllVertices()) {
     const Points& points = mesh.positions();
-    const PlainBox box = kernels().boxOf(points.front().data(), points.size());
+    const PlainBox box = boxOfPoints(points.front().data(), points.size());
     return {Eigen::Vector3d(box.low.data()), Eigen::Vector3d(box.high.data())};
   }
   Box box;

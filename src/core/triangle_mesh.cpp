@@ -23,7 +23,7 @@ bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordin
 
 bool areUsable(const Points& positions) {
   if (positions.empty()) return true;
-  const auto [low, high, finite] = kernels().boxOf(positions.front().data(), positions.size());
+  const auto [low, high, finite] = boxOfPoints(positions.front().data(), positions.size());
   return finite && std::all_of(low.begin(), low.end(), isUsable) &&
          std::all_of(high.begin(), high.end(), isUsable);
 }
@@ -97,8 +97,7 @@ void TriangleMesh::requireFitting(const std::vector<VertexId>& moved,
   }
 }
 
-void TriangleMesh::setPositions(const std::vector<VertexId>& moved, const Points& positions) {
-  requireFitting(moved, positions);
+void TriangleMesh::move(const std::vector<VertexId>& moved, const Points& positions) {
   for (std::size_t i = 0; i < moved.size(); ++i) positions_[index(moved[i])] = positions[i];
 }
 

@@ -46,12 +46,12 @@ class TriangleMesh {
   /// Moves all vertices [m]. Throws std::invalid_argument and leaves the mesh as it was if the
   /// count differs or a position is not finite.
   void setPositions(Points positions);
-  /// Moves those of `moved` to `positions` [m], in its order; throws as requireFitting() does, and
-  /// leaves the mesh as it was.
-  void setPositions(const std::vector<VertexId>& moved, const Points& positions);
   /// Throws std::invalid_argument if the counts differ, a vertex is not there or a position is not
   /// usable.
   void requireFitting(const std::vector<VertexId>& moved, const Points& positions) const;
+  /// Moves those of `moved` to `positions` [m], in its order. REQUIRES: requireFitting() lets them
+  /// pass.
+  void move(const std::vector<VertexId>& moved, const Points& positions);
 
  private:
   Points positions_;
