@@ -1,6 +1,7 @@
 // What does mode AUTO go by? The cost of each kind of update through the swap, and of the wear that
 // a deformation leaves, on the shipped liver and two finer ones. Figures like these, once logged,
 // are what test/node/update_policy_test.cpp decides from. With a file's name: draws them into it.
+// With --organ ORGAN: only what updates of that one cost.
 // All times are processor time of the thread that updates: others may use the machine too.
 #include <tbb/task_arena.h>
 
@@ -58,6 +59,7 @@ struct Update {
   int partial;      // of kRepeats
 };
 
+/// The last one is of all vertices.
 std::vector<Update> updatesOf(const core::TriangleMesh& mesh) {
   node::Organ organ("liver", "liver", mesh);
   const core::Points& points = mesh.positions();
@@ -130,13 +132,19 @@ Figures measure(std::size_t levels) {
           wearAfter(organ, core::Accuracy::greedy(), twist)};
 }
 
+void print(const std::vector<Update>& updates) {
+  const double full = updates.back().duration;
+  for (const Update& update : updates) {
+    std::printf("  %zu vertices: %.1f us, a %.1fth of all, %d of %d refits were partial\n",
+                update.moved, kMicroseconds * update.duration, full / update.duration,
+                update.partial, kRepeats);
+  }
+}
+
 void print(const Figures& figures) {
   std::printf("liver of %.0f triangles\n  rebuild: %.0f us\n", figures.triangles,
               kMicroseconds * figures.rebuild);
-  for (const Update& update : figures.updates) {
-    std::printf("  %zu vertices: %.1f us, %d of %d refits were partial\n", update.moved,
-                kMicroseconds * update.duration, update.partial, kRepeats);
-  }
+  print(figures.updates);
   const auto tell = [&](const char* name, const node::Wear& wear) {
     std::printf(
         "  %s: %.2f times the work, %.1f %% newly wrong, %.2f us a query, exact %.2f us; "
@@ -192,6 +200,12 @@ tools::Figure drawn(const std::vector<Figures>& all) {
 
 int main(int argc, char** argv) {
   using namespace organ_collision;
+  if (argc == 3 && std::string(argv[1]) == "--organ") {
+    const core::TriangleMesh mesh = bench::organNamed(argv[2]);
+    std::printf("%s of %zu triangles\n", argv[2], mesh.triangleCount());
+    print(updatesOf(mesh));
+    return 0;
+  }
   std::vector<Figures> all;
   for (const std::size_t levels : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
     all.push_back(measure(levels));
