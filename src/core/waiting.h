@@ -16,8 +16,8 @@ using Sets __attribute__((vector_size(kLanes * sizeof(std::uint32_t)))) = std::u
 constexpr Keys kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::int32_t kLaneBits = 7;
 
-/// The lanes' bounds in an order that integers keep, with the lanes' numbers in the last bits, so
-/// that a bound is a trifle less than it was. REQUIRES: none is negative.
+/// The lanes' bounds in an order that integers keep, with the lanes' numbers in the last bits.
+/// REQUIRES: none is negative.
 inline Keys keysOf(const Lanes<float>& squares) {
   Keys keys;
   __builtin_memcpy(&keys, squares.part, sizeof(keys));
@@ -30,6 +30,9 @@ inline Keys keysOf(const Lanes<double>& squares) {
   __builtin_memcpy(rounded.part, values, sizeof(values));
   return keysOf(rounded);
 }
+
+/// Bits of a bound that is a trifle less than the key's was.
+inline Keys boundsOf(const Keys& keys) { return keys & ~kLaneBits; }
 
 /// Lanes as truths of the width of keys.
 inline Keys chosenBy(const Truth<float>& truth) {
@@ -105,8 +108,9 @@ class Stack {
   /// The sets in a node's lanes, the nearest on top; those with keys below 0 are left out.
   void push(const WideNode& node, const Keys& keys, std::uint32_t count) {
     const Keys order = sorted(keys);
+    const Keys squares = boundsOf(order);
     const Sets sets = setsOf(node, order & kLaneBits);
-    __builtin_memcpy(squares_ + count_, &order, sizeof(order));
+    __builtin_memcpy(squares_ + count_, &squares, sizeof(squares));
     __builtin_memcpy(sets_ + count_, &sets, sizeof(sets));
     count_ += count;
   }

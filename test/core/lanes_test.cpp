@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "core/lane_vector.h"
+#include "core/waiting.h"
 
 namespace organ_collision::core {
 namespace {
@@ -105,6 +107,33 @@ TYPED_TEST(LanesOf, AreComparedOneByOne) {
   const Lanes<TypeParam> chosen = select(negative, Lanes<TypeParam>::all(1), x);
   for (std::uint32_t i = 0; i < kLanes; ++i)
     EXPECT_EQ(chosen[i], i < 3 ? TypeParam{1} : this->some(i));
+}
+
+// What a network makes of all patterns of two numbers it makes of all numbers (Knuth, "Sorting and
+// searching", 5.3.4, theorem Z).
+TEST(SetsThatWait, AreSortedTheLargestFirst) {
+  for (std::uint32_t pattern = 0; pattern <= kAll; ++pattern) {
+    Keys keys = {};
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+      keys[lane] = (pattern >> lane & 1U) != 0 ? 7 : -1;
+    const Keys order = sorted(keys);
+    const int large = __builtin_popcount(pattern);
+    for (int i = 0; i < kLanes; ++i) EXPECT_EQ(order[i], i < large ? 7 : -1) << pattern;
+    EXPECT_EQ(leastOf(keys), pattern == 0 ? ~0U : 7U);
+  }
+}
+
+TEST(SetsThatWait, KeepBoundsThatAreNotLargerAndTheirLanes) {
+  const Lanes<double> squares = Lanes<double>::numbers() * Lanes<double>::all(0.1);
+  const Keys keys = keysOf(squares);
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    float bound = 0.0F;
+    const std::int32_t bits = boundsOf(keys)[lane];
+    std::memcpy(&bound, &bits, sizeof(bound));
+    EXPECT_EQ(keys[lane] & kLaneBits, static_cast<std::int32_t>(lane));
+    EXPECT_LE(bound, squares[lane]);
+    EXPECT_NEAR(bound, squares[lane], 0x1p-19);
+  }
 }
 
 }  // namespace
