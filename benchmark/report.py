@@ -197,8 +197,8 @@ def other_targets(results):
     memory = [(organ["update"]["build"][OWN_UPDATE]["hierarchy_bytes"], name) for name, organ in organs.items()
               if "update" in organ and organ["triangles"] >= GROWTH_FROM]
     value, name = max(memory, default=(None, ""))
-    add(f"hierarchy and packets, bytes a triangle, from {thousands(GROWTH_FROM)} triangles on", 120, value,
-        f"{value or 0:.1f} ({name})")
+    add(f"hierarchy and packets (all that searches read), bytes a triangle, from {thousands(GROWTH_FROM)} triangles on",
+        120, value, f"{value or 0:.1f} ({name})")
     for priority, node in results["node_latency"].items():
         for what, key, limit, scale in (("median [ms]", "p50_us", 0.3, 1e-3), ("99 % [ms]", "p99_us", 1.0, 1e-3),
                                         ("contacts lost", "lost", 0, 1)):

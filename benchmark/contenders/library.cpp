@@ -103,7 +103,7 @@ class Following : public Follower {
         contender_(oneByOne(organ_, nearestWithin(Accuracy::exact()))) {}
   Contender& contender() override { return *contender_; }
   std::optional<std::size_t> hierarchyMemory() const override {
-    return organ_->tree().memory() + organ_->wideTree().memory();
+    return organ_->tree().memory() + organ_->wideTree().searchMemory();
   }
 
  protected:

@@ -396,13 +396,17 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
   return {middle - half, middle + half};
 }
 
-std::size_t WideTree::memory() const {
+std::size_t WideTree::searchMemory() const {
   return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(Packet) +
-         parents_.capacity() * sizeof(std::uint32_t) +
-         (places_.capacity() + levels_.capacity()) * sizeof(std::uint32_t) +
-         tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
-         corners_.capacity() * sizeof(corners_.front()) +
          centroids_.places.capacity() * sizeof(centroids_.places.front());
+}
+
+std::size_t WideTree::memory() const {
+  return searchMemory() + tallies_.capacity() * sizeof(PacketTally) +
+         touched_.capacity() / CHAR_BIT + corners_.capacity() * sizeof(corners_.front()) +
+         parts_.capacity() * sizeof(NodePart) +
+         (first_parts_.capacity() + parents_.capacity() + places_.capacity() + levels_.capacity()) *
+             sizeof(std::uint32_t);
 }
 
 }  // namespace organ_collision::core

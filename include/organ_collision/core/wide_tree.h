@@ -61,6 +61,7 @@ class WideTree {
 
   std::size_t depth() const { return levels_.size(); }  ///< nodes on the longest path to a packet
   std::size_t memory() const;                           ///< [bytes]
+  std::size_t searchMemory() const;  ///< [bytes] of them, what searches read: refits need the rest
 
  private:
   class Collapse;
