@@ -130,7 +130,7 @@ bool isInsidePlainly(const View& view, Candidate& best) {
 void considerFace(const View& view, Candidate& best) {
   const auto& [base, left, right, to_left, to_right] = view;
   if (base.position == left.position || left.position == right.position) return;
-  const std::optional<Vector2d> weights = planeCoordinates(-base.offset, to_left, to_right);
+  const std::optional<Vector2d> weights = accuratePlaneCoordinates(-base.offset, to_left, to_right);
   if (!weights) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return;

@@ -55,14 +55,14 @@ Vector3d accurateCross(const Vector3d& v, const Vector3d& w) {
           differenceOfProducts(v.x(), w.y(), v.y(), w.x())};
 }
 
-std::optional<Vector2d> planeCoordinates(const Vector3d& v, const Vector3d& e1,
-                                         const Vector3d& e2) {
+std::optional<Vector2d> accuratePlaneCoordinates(const Vector3d& v, const Vector3d& e1,
+                                                 const Vector3d& e2) {
   const double longest = std::max(squaredLength(e1), squaredLength(e2));
   if (longest < kShortestSafe || longest > kLongestSafe) {
     if (e1.isZero(0) && e2.isZero(0)) return std::nullopt;
     const double factor =
         normalisingFactor(std::max(e1.lpNorm<Eigen::Infinity>(), e2.lpNorm<Eigen::Infinity>()));
-    return planeCoordinates(factor * v, factor * e1, factor * e2);
+    return accuratePlaneCoordinates(factor * v, factor * e1, factor * e2);
   }
   const Plane plane = planeOf(e1, e2);
   if (plane.squared_normal == 0) return std::nullopt;

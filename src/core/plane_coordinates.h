@@ -16,12 +16,6 @@ double normalisingFactor(double largest);
 /// products.
 Eigen::Vector3d accurateCross(const Eigen::Vector3d& v, const Eigen::Vector3d& w);
 
-/// The (s, t) for which s*e1 + t*e2 is the projection of `v` on the plane along `e1` and `e2`;
-/// nothing where these are parallel, as far as rounding can tell. Accurate for every angle between
-/// them; corrected once where little of v is left over, so that what is left is right.
-std::optional<Eigen::Vector2d> planeCoordinates(const Eigen::Vector3d& v, const Eigen::Vector3d& e1,
-                                                const Eigen::Vector3d& e2);
-
 /// Between these squared lengths products of four lengths neither overflow nor underflow.
 constexpr double kShortestSafe = 0x1p-200;
 constexpr double kLongestSafe = 0x1p+200;
@@ -35,7 +29,8 @@ inline bool isSafe(double squared_length) {
   return squared_length > kShortestSafe && squared_length < kLongestSafe;
 }
 
-/// The same where that is so simple that plain products are accurate enough; else nothing.
+/// planeCoordinates() where that is so simple that plain products are accurate enough; else
+/// nothing.
 inline std::optional<Eigen::Vector2d> plainPlaneCoordinates(const Eigen::Vector3d& v,
                                                             const Eigen::Vector3d& e1,
                                                             const Eigen::Vector3d& e2) {
@@ -51,6 +46,21 @@ inline std::optional<Eigen::Vector2d> plainPlaneCoordinates(const Eigen::Vector3
   const Eigen::Vector3d rest = v - (weights.x() * e1 + weights.y() * e2);
   if (!(squaredLength(rest) > kNearlyNothing * squaredLength(v))) return std::nullopt;
   return weights;
+}
+
+/// planeCoordinates() of whatever edges.
+std::optional<Eigen::Vector2d> accuratePlaneCoordinates(const Eigen::Vector3d& v,
+                                                        const Eigen::Vector3d& e1,
+                                                        const Eigen::Vector3d& e2);
+
+/// The (s, t) for which s*e1 + t*e2 is the projection of `v` on the plane along `e1` and `e2`;
+/// nothing where these are parallel, as far as rounding can tell. Accurate for every angle between
+/// them; corrected once where little of v is left over, so that what is left is right.
+inline std::optional<Eigen::Vector2d> planeCoordinates(const Eigen::Vector3d& v,
+                                                       const Eigen::Vector3d& e1,
+                                                       const Eigen::Vector3d& e2) {
+  const std::optional<Eigen::Vector2d> plain = plainPlaneCoordinates(v, e1, e2);
+  return plain ? plain : accuratePlaneCoordinates(v, e1, e2);
 }
 
 }  // namespace organ_collision::core
