@@ -27,6 +27,9 @@ constexpr Real kRoundoff = sizeof(Real) == sizeof(float) ? Real{0x1p-24} : Real{
 
 constexpr float kTiny = 0x1p-26F;
 
+/// Rounding a place to single precision moves it by less, as no coordinate is above 2.
+constexpr float kPlaceRounding = 0x1p-23F;
+
 template <class Real>
 inline Real magnitudeOf(Real x) {
   return x < 0 ? -x : x;

@@ -26,7 +26,9 @@ CollisionMesh::CollisionMesh(TriangleMesh mesh)
       topology_(std::make_shared<const MeshTopology>(mesh_)),
       tree_(mesh_),
       wide_tree_(tree_, mesh_, unitFrame(boxOf(mesh_))),
-      health_(healthOf(*topology_, boxOf(mesh_), wide_tree_.tally())) {}
+      health_() {
+  updateHealth(boxOf(mesh_));
+}
 
 void CollisionMesh::refitAll() {
   const Box box = boxOf(mesh_);
@@ -52,8 +54,15 @@ std::vector<TriangleId> CollisionMesh::trianglesAt(const std::vector<VertexId>& 
   return triangles;
 }
 
+bool CollisionMesh::isVolumeDoubtful() const {
+  const HealthTally& tally = wide_tree_.tally();
+  return topology_->closed() && topology_->consistentlyWound() &&
+         std::abs(tally.volume) <= tally.rounding;
+}
+
 void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
+  if (isVolumeDoubtful()) tally = tallyOf(mesh_, *topology_, wide_tree_.frame());
   tally.parted_corners = parted_corners_;
   health_ = healthOf(*topology_, box, tally);
 }
@@ -82,11 +91,8 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     refitAll();
     return;
   }
-  wide_tree_.refit(mesh_, touched);
-  const bool volume_is_doubtful =
-      topology_->closed() && topology_->consistentlyWound() &&
-      std::abs(wide_tree_.tally().volume) <= wide_tree_.tally().rounding;
-  if (volume_is_doubtful) {
+  wide_tree_.refit(mesh_, moved, touched);
+  if (isVolumeDoubtful()) {
     refitAll();
     return;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/bounds.h"
 #include "core/kernels.h"
 #include "core/lane_vector.h"
 
@@ -178,8 +179,8 @@ inline void encloseOne(const PlainTree& tree, std::uint32_t self, Fit fit) {
   const LaneVector<float> farthest = {larger(Lanes<float>{} - low.x, high.x),
                                       larger(Lanes<float>{} - low.y, high.y),
                                       larger(Lanes<float>{} - low.z, high.z)};
-  node.radius = rootOf(mostOf(dot(farthest, farthest))) * kRadiusRounding;
-  const Lanes<float> rounding = Lanes<float>::all(kBoxRounding * node.radius);
+  node.radius = rootOf(mostOf(dot(farthest, farthest))) * kRadiusRounding + kPlaceRounding;
+  const Lanes<float> rounding = Lanes<float>::all(kBoxRounding * node.radius + kPlaceRounding);
   (low.x - rounding).store(&node.low[0][0]);
   (low.y - rounding).store(&node.low[1][0]);
   (low.z - rounding).store(&node.low[2][0]);

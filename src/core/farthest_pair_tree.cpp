@@ -73,7 +73,7 @@ std::vector<Member> orderedMembers(const TriangleMesh& mesh) {
 /// squared distances: these times the tip's reach and the poles' distance from each other, and
 /// times their offset from the tip.
 constexpr double kApartRounding = 0x1p-17;
-constexpr float kOffsetRounding = 0x1p-21F;
+constexpr float kOffsetRounding = 0x1p-20F;
 /// The same for the distances to the poles themselves, in double precision.
 constexpr double kPoleRounding = 0x1p-46;
 

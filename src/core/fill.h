@@ -1,25 +1,34 @@
 #pragma once
 
+#include "core/bounds.h"
 #include "core/kernels.h"
 #include "core/lane_vector.h"
 
-// Packets of triangles, for whichever vector unit includes it.
+// Places of vertices, and packets of triangles, for whichever vector unit includes it.
 namespace organ_collision::core {
 namespace {
 
-/// A flat triangle's normal is not longer, in a packet of radius 1: its edges are off by 2^-50.
-constexpr double kNormalRounding = 0x1p-44;
-
-/// Single precision can hold it; off by at most 2^-24. REQUIRES: magnitude below 2^27.
-inline double inSinglePrecision(double x) {
-  constexpr double kLastBit = 0x1.8p29;  // numbers as large are multiples of 2^-23
-  return (x + kLastBit) - kLastBit;
-}
-
-inline void storeRounded(const LaneVector<double>& v, LanePoints& points) {
-  v.x.storeRounded(points[0]);
-  v.y.storeRounded(points[1]);
-  v.z.storeRounded(points[2]);
+inline void place(const double* positions, std::size_t count, const PlainUnitFrame& frame,
+                  VertexPlace* places) {
+  const auto& [center, scale] = frame;
+#if defined(__AVX__)
+  using Four __attribute__((vector_size(32))) = double;
+  using Mask __attribute__((vector_size(32))) = long long;
+  using Rounded __attribute__((vector_size(16))) = float;
+  const Four middle = {center[0], center[1], center[2], 0.0};
+  for (std::size_t i = 0; i < count; ++i) {
+    const Four position = __builtin_ia32_maskloadpd256(  // of the fourth, memory may have none
+        reinterpret_cast<const Four*>(positions + 3 * i), Mask{-1, -1, -1, 0});
+    *reinterpret_cast<Rounded*>(places + i) =
+        __builtin_convertvector(scale * (position - middle), Rounded);
+  }
+#else
+  const auto coordinate = [&](std::size_t i, std::size_t axis) {
+    return static_cast<float>(scale * (positions[3 * i + axis] - center[axis]));
+  };
+  for (std::size_t i = 0; i < count; ++i)
+    places[i] = {coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)};
+#endif
 }
 
 /// The leaf in a lane, or the one that it repeats.
@@ -28,29 +37,42 @@ inline std::uint32_t leafIn(const TrianglePacket& packet, std::uint32_t lane) {
 }
 
 /// One corner of each of a packet's triangles, in the unit frame.
-inline LaneVector<double> cornerOf(const PlainMesh& mesh, const TrianglePacket& packet,
-                                   std::uint32_t corner) {
-  const LaneVector<double> positions = gather([&](std::uint32_t lane) {
-    return mesh.positions + mesh.corners[leafIn(packet, lane)][corner];
-  });
-  const auto& [center, scale] = mesh.frame;
-  return Lanes<double>::all(scale) *
-         (positions - everywhere(Vector<double>{center[0], center[1], center[2]}));
+inline LaneVector<float> cornerOf(const PlainMesh& mesh, const TrianglePacket& packet,
+                                  std::uint32_t corner) {
+  return gather(
+      [&](std::uint32_t lane) { return mesh.places + mesh.corners[leafIn(packet, lane)][corner]; });
 }
 
-inline void storeCentroids(const LaneVector<double>& centroids, const TrianglePacket& packet,
+inline void store(const LaneVector<float>& v, LanePoints& points) {
+  v.x.store(points[0].data());
+  v.y.store(points[1].data());
+  v.z.store(points[2].data());
+}
+
+/// The largest coordinate.
+inline Lanes<float> reachOf(const LaneVector<float>& v) {
+  return larger(larger(magnitude(v.x), magnitude(v.y)), magnitude(v.z));
+}
+
+/// Of the ball around all points whose places reach so far. A root would take longer.
+inline float radiusAround(const Lanes<float>& reaches) {
+  constexpr float kDiagonal = 1.7321F;  // of a cube, rounded up
+  return kDiagonal * mostOf(reaches) + kPlaceRounding;
+}
+
+inline void storeCentroids(const LaneVector<float>& centroids, const TrianglePacket& packet,
                            std::array<float, 3>* places) {
-  alignas(64) LanePoints rounded;
-  storeRounded(centroids, rounded);
+  alignas(64) LanePoints rows;
+  store(centroids, rows);
 #if defined(__AVX512F__)
   // 24 numbers in the order of memory, of which the lanes in use are stored.
   using Eight __attribute__((vector_size(32))) = float;
   using Sixteen __attribute__((vector_size(64))) = float;
-  const auto* rows = reinterpret_cast<const Eight*>(&rounded);
-  const Sixteen xy = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
-                                             12, 13, 14, 15);
+  const auto* row = reinterpret_cast<const Eight*>(&rows);
+  const Sixteen xy =
+      __builtin_shufflevector(row[0], row[1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const Sixteen z =
-      __builtin_shufflevector(rows[2], rows[2], 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+      __builtin_shufflevector(row[2], row[2], 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
   const Sixteen first =
       __builtin_shufflevector(xy, z, 0, 8, 16, 1, 9, 17, 2, 10, 18, 3, 11, 19, 4, 12, 20, 5);
   const Sixteen last =
@@ -62,46 +84,51 @@ inline void storeCentroids(const LaneVector<double>& centroids, const TrianglePa
 #else
 #pragma GCC unroll 8
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
-    places[leafIn(packet, lane)] = {rounded[0][lane], rounded[1][lane], rounded[2][lane]};
+    places[leafIn(packet, lane)] = {rows[0][lane], rows[1][lane], rows[2][lane]};
 #endif
 }
 
+/// What rounding makes of the square of a flat triangle's normal: this part of that of two edges.
+/// The edges are off by 2*kPlaceRounding and shorter than 8.
+constexpr float kFlat = 0x1p-36F;
+
 [[gnu::always_inline]] inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
                                                   std::array<float, 3>* centroids) {
-  const LaneVector<double> a = cornerOf(mesh, packet, 0);
-  const LaneVector<double> b = cornerOf(mesh, packet, 1);
-  const LaneVector<double> c = cornerOf(mesh, packet, 2);
-  storeCentroids(Lanes<double>::all(1.0 / 3.0) * (a + b + c), packet, centroids);
+  const LaneVector<float> a = cornerOf(mesh, packet, 0);
+  const LaneVector<float> b = cornerOf(mesh, packet, 1);
+  const LaneVector<float> c = cornerOf(mesh, packet, 2);
+  const LaneVector<float> ab = b - a;
+  const LaneVector<float> ac = c - a;
+  storeCentroids(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), packet, centroids);
 
-  const Vector<double> first = {inSinglePrecision(a.x[0]), inSinglePrecision(a.y[0]),
-                                inSinglePrecision(a.z[0])};
-  packet.origin = {static_cast<float>(first.x), static_cast<float>(first.y),
-                   static_cast<float>(first.z)};
-  const LaneVector<double> origin = everywhere(first);
-  const LaneVector<double> ab = b - a;
-  const LaneVector<double> ac = c - a;
-  storeRounded(a - origin, packet.corner);
-  storeRounded(ab, packet.edge1);
-  storeRounded(ac, packet.edge2);
+  const Vector<float> first = {a.x[0], a.y[0], a.z[0]};
+  packet.origin = {first.x, first.y, first.z};
+  const LaneVector<float> origin = everywhere(first);
+  const LaneVector<float> corner = a - origin;
+  store(corner, packet.corner);
+  store(ab, packet.edge1);
+  store(ac, packet.edge2);
 
-  const auto squared_reach = [&origin](const LaneVector<double>& point) {
-    return dot(point - origin, point - origin);
-  };
-  const double squared_radius =
-      mostOf(larger(larger(squared_reach(a), squared_reach(b)), squared_reach(c)));
-  packet.radius = static_cast<float>(rootOf(squared_radius) * (1.0 + 0x1p-20));
+  packet.radius =
+      radiusAround(larger(larger(reachOf(corner), reachOf(b - origin)), reachOf(c - origin)));
 
-  const LaneVector<double> normal = cross(ab, ac);
-  const Truth<double> in_use =
-      Lanes<double>::numbers() <= Lanes<double>::all(static_cast<double>(packet.lane_count - 1));
-  const Truth<double> may_be_flat =
-      dot(normal, normal) <= Lanes<double>::all(kNormalRounding * kNormalRounding * squared_radius);
-  return {sumOf(select(in_use, dot(a, normal), Lanes<double>{})), (in_use & may_be_flat).bits()};
+  const LaneVector<float> normal = cross(ab, ac);
+  const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);
+  const Truth<float> in_use =
+      Lanes<float>::numbers() <= Lanes<float>::all(static_cast<float>(packet.lane_count) - 1.0F);
+  const Truth<float> may_be_flat = dot(normal, normal) <= Lanes<float>::all(kFlat) * squared_edges;
+  const Lanes<float> none{};
+  return {sumOf(select(in_use, dot(a, normal), none)), sumOf(select(in_use, squared_edges, none)),
+          (in_use & may_be_flat).bits()};
 }
 
 inline void fill(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
                  std::array<float, 3>* centroids, PacketTally* tallies) {
-  for (std::size_t i = 0; i < count; ++i) tallies[i] = fillOne(mesh, packets[i], centroids);
+  constexpr std::size_t kAhead = 8;  // packets
+  for (std::size_t i = 0; i < count; ++i) {
+    __builtin_prefetch(&packets[i + kAhead].origin, 1);
+    tallies[i] = fillOne(mesh, packets[i], centroids);
+  }
 }
 
 }  // namespace

@@ -24,9 +24,8 @@ struct PlainUnitFrame {
 
 /// Where triangles are.
 struct PlainMesh {
-  const double* positions;                      ///< [m] x, y, z of each vertex
-  const std::array<std::uint32_t, 3>* corners;  ///< of each leaf: the numbers of their x above
-  PlainUnitFrame frame;
+  const VertexPlace* places;                    ///< of the vertices
+  const std::array<std::uint32_t, 3>* corners;  ///< of each leaf
 };
 
 /// What is to be enclosed.
@@ -54,6 +53,9 @@ struct Kernels {
   void (*followPairs)(PairSearch& search, double step);
   /// REQUIRES: there is a point.
   PlainBox (*boxOf)(const double* points, std::size_t count);
+  /// Rounds `count` vertices, x, y, z [m], to their places.
+  void (*place)(const double* positions, std::size_t count, const PlainUnitFrame& frame,
+                VertexPlace* places);
   /// Takes over where the triangles of `count` packets are, and the centroid of each leaf. Who may
   /// be flat, as far as rounding can tell, is said to be.
   /// REQUIRES: first_leaf and lane_count of the packets.

@@ -7,6 +7,6 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {walk, follow, walkPairs, followPairs, boxOf, fill, enclose};
+const Kernels kAvx2Kernels = {walk, follow, walkPairs, followPairs, boxOf, place, fill, enclose};
 
 }  // namespace organ_collision::core

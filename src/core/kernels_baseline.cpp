@@ -7,6 +7,7 @@
 
 namespace organ_collision::core {
 
-const Kernels kBaselineKernels = {walk, follow, walkPairs, followPairs, boxOf, fill, enclose};
+const Kernels kBaselineKernels = {walk,  follow, walkPairs, followPairs,
+                                  boxOf, place,  fill,      enclose};
 
 }  // namespace organ_collision::core

@@ -45,50 +45,34 @@ inline LaneVector<Real> everywhere(const Vector<Real>& v) {
   return {Lanes<Real>::all(v.x), Lanes<Real>::all(v.y), Lanes<Real>::all(v.z)};
 }
 
-/// Eight points that are anywhere in memory, at point(0), ... point(7), x, y, z after one another.
-template <class Point>
-inline LaneVector<double> gather(const Point& point) {
-  LaneVector<double> lanes;
+/// Eight places that are anywhere in memory, at place(0), ... place(7).
+template <class Place>
+inline LaneVector<float> gather(const Place& place) {
+  using Four __attribute__((vector_size(16))) = float;
+  const auto at = [&place](std::uint32_t i) { return *reinterpret_cast<const Four*>(place(i)); };
+  LaneVector<float> lanes;
 #if defined(__AVX__)
-  using Four __attribute__((vector_size(32))) = double;
-  using Mask __attribute__((vector_size(32))) = long long;
-  const auto at = [&point](std::uint32_t i) -> Four {  // of the fourth, memory may have none
-    return __builtin_ia32_maskloadpd256(reinterpret_cast<const Four*>(point(i)),
-                                        Mask{-1, -1, -1, 0});
-  };
-#if defined(__AVX512F__)
   const auto pair = [&at](std::uint32_t i) {
     return __builtin_shufflevector(at(i), at(i + 4), 0, 1, 2, 3, 4, 5, 6, 7);
   };
-  const auto xz = [](auto p, auto q) {
-    return __builtin_shufflevector(p, q, 0, 8, 2, 10, 4, 12, 6, 14);
-  };
-  const auto y = [](auto p, auto q) {
-    return __builtin_shufflevector(p, q, 1, 9, 3, 11, 5, 13, 7, 15);
-  };
   const auto p0 = pair(0), p1 = pair(1), p2 = pair(2), p3 = pair(3);
-  const auto xz0 = xz(p0, p1), xz2 = xz(p2, p3);
-  lanes.x.part[0] = __builtin_shufflevector(xz0, xz2, 0, 1, 8, 9, 4, 5, 12, 13);
-  lanes.y.part[0] = __builtin_shufflevector(y(p0, p1), y(p2, p3), 0, 1, 8, 9, 4, 5, 12, 13);
-  lanes.z.part[0] = __builtin_shufflevector(xz0, xz2, 2, 3, 10, 11, 6, 7, 14, 15);
+  const auto xy0 = __builtin_shufflevector(p0, p1, 0, 8, 1, 9, 4, 12, 5, 13);
+  const auto xy2 = __builtin_shufflevector(p2, p3, 0, 8, 1, 9, 4, 12, 5, 13);
+  const auto z0 = __builtin_shufflevector(p0, p1, 2, 10, 3, 11, 6, 14, 7, 15);
+  const auto z2 = __builtin_shufflevector(p2, p3, 2, 10, 3, 11, 6, 14, 7, 15);
+  lanes.x.part[0] = __builtin_shufflevector(xy0, xy2, 0, 1, 8, 9, 4, 5, 12, 13);
+  lanes.y.part[0] = __builtin_shufflevector(xy0, xy2, 2, 3, 10, 11, 6, 7, 14, 15);
+  lanes.z.part[0] = __builtin_shufflevector(z0, z2, 0, 1, 8, 9, 4, 5, 12, 13);
 #else
   for (std::uint32_t i = 0; i < 2; ++i) {
     const Four p0 = at(4 * i), p1 = at(4 * i + 1), p2 = at(4 * i + 2), p3 = at(4 * i + 3);
-    const Four xz0 = __builtin_shufflevector(p0, p1, 0, 4, 2, 6);
-    const Four xz2 = __builtin_shufflevector(p2, p3, 0, 4, 2, 6);
-    lanes.x.part[i] = __builtin_shufflevector(xz0, xz2, 0, 1, 4, 5);
-    lanes.y.part[i] =
-        __builtin_shufflevector(__builtin_shufflevector(p0, p1, 1, 5, 3, 7),
-                                __builtin_shufflevector(p2, p3, 1, 5, 3, 7), 0, 1, 4, 5);
-    lanes.z.part[i] = __builtin_shufflevector(xz0, xz2, 2, 3, 6, 7);
-  }
-#endif
-#else
-  constexpr std::uint32_t kPartLanes = Lanes<double>::kPartLanes;
-  for (std::uint32_t i = 0; i < kLaneCount; ++i) {
-    lanes.x.part[i / kPartLanes][i % kPartLanes] = point(i)[0];
-    lanes.y.part[i / kPartLanes][i % kPartLanes] = point(i)[1];
-    lanes.z.part[i / kPartLanes][i % kPartLanes] = point(i)[2];
+    const Four xy0 = __builtin_shufflevector(p0, p1, 0, 4, 1, 5);
+    const Four xy2 = __builtin_shufflevector(p2, p3, 0, 4, 1, 5);
+    const Four z0 = __builtin_shufflevector(p0, p1, 2, 6, 3, 7);
+    const Four z2 = __builtin_shufflevector(p2, p3, 2, 6, 3, 7);
+    lanes.x.part[i] = __builtin_shufflevector(xy0, xy2, 0, 1, 4, 5);
+    lanes.y.part[i] = __builtin_shufflevector(xy0, xy2, 2, 3, 6, 7);
+    lanes.z.part[i] = __builtin_shufflevector(z0, z2, 0, 1, 4, 5);
   }
 #endif
   return lanes;

@@ -22,6 +22,13 @@ void HealthTally::add(const HealthTally& other) {
   rounding += other.rounding;
 }
 
+void HealthTally::subtract(const HealthTally& other) {
+  degenerate_triangles -= other.degenerate_triangles;
+  parted_corners -= other.parted_corners;
+  volume -= other.volume;
+  rounding -= other.rounding;
+}
+
 HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology,
                     const UnitFrame& frame) {
   HealthTally tally;

@@ -442,7 +442,8 @@ class PairWalk {
     LaneTriangles<Real> ours = turned(first);
     ours.a = ours.a + everywhere(offset);
     const LaneTriangles<Real> theirs = trianglesOf<Real>(second);
-    const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset));
+    const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset)) +
+                          static_cast<Real>(kPlaceRounding * (search_.largest_scale + 1));
     const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
     // Lanes that are not in use repeat others.

@@ -239,7 +239,7 @@ class Walk {
     Vector<Real> low, high;
     const Real farthest = tipBox(
         packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
-    rounding = roundingOf(farthest, packet.radius) + tip_rounding_;
+    rounding = roundingOf(farthest, packet.radius) + tip_rounding_ + Real{kPlaceRounding};
     if constexpr (kIsPoint) {
       return distanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
     } else {

@@ -1,6 +1,7 @@
 #include "organ_collision/core/wide_tree.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <Eigen/Eigenvalues>
@@ -28,12 +29,20 @@ using Set = WideTree::Set;
 constexpr double kShorter = 1.0 - 0x1p-20;
 /// What rounding makes of a box's corner, for a reach of 1.
 constexpr float kBoxRounding = 0x1p-18F;
+/// What rounding makes of the volume of a closed mesh: this part of the squares of two edges of
+/// each triangle. Products of a place, below 4, and two edges are off by 2^-20 of those squares;
+/// to move each vertex by kPlaceRounding moves the surface by as much, which is less.
+constexpr double kVolumeRounding = 0x1p-19;
+/// Of a sum of volumes below 64, twice.
+constexpr double kSumRounding = 0x1p-46;
 
 /// How deep refits look for boxes. More levels draw boxes closer, and let a partial refit take
 /// longer: benchmark/update_figures tells both.
 constexpr int kLevels = 3;
 
-constexpr std::size_t kPacketGrain = 32;  // so many are worth a task
+constexpr std::size_t kPacketGrain = 32;    // so many are worth a task
+constexpr std::size_t kVertexGrain = 4096;  // so many, too
+constexpr std::size_t kTasks = 32;          // are enough; larger ones read memory in longer runs
 
 Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> axesOf(const WideTree::Node& node) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(node.axes.front().data());
@@ -68,10 +77,9 @@ Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }  // namespace
 
 /// Which sets of the hierarchy become nodes and packets, so that the expected cost of a search is
-/// least: a set is visited as often as the square of its reach, and the tip's,
-/// tells; a visit costs the same for every
-/// node and a little more for a packet. Source: H. Ylitie, T. Karras, S. Laine, "Efficient
-/// incoherent ray traversal on GPUs through compressed wide BVHs" (2017), section 4.1.
+/// least: a set is visited as often as the square of its reach, and the tip's, tells; a visit costs
+/// the same for every node and a little more for a packet. Source: H. Ylitie, T. Karras, S. Laine,
+/// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs" (2017), section 4.1.
 class WideTree::Collapse {
  public:
   Collapse(const FarthestPairTree& tree, const Points& centroids)
@@ -88,10 +96,31 @@ class WideTree::Collapse {
     for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
   }
 
-  /// The parts of a set that becomes a node, those that are nodes themselves first.
-  std::vector<Set> partsOf(const Set& whole) const {
-    if (isPacket(whole)) return {whole};
-    std::vector<Set> parts;
+  struct Leaves {
+    Leaf begin, end;
+  };
+  /// Of a set that becomes a node.
+  struct Parts {
+    std::vector<Set> nodes;
+    std::vector<Leaves> packets;
+
+    /// Neighbours share a packet if there is room.
+    void addPacket(const Set& set) {
+      if (!packets.empty() && packets.back().end == set.begin &&
+          set.end - packets.back().begin <= kLaneCount) {
+        packets.back().end = set.end;
+      } else {
+        packets.push_back({set.begin, set.end});
+      }
+    }
+  };
+
+  Parts partsOf(const Set& whole) const {
+    Parts parts;
+    if (isPacket(whole)) {
+      parts.addPacket(whole);
+      return parts;
+    }
     std::vector<std::pair<Set, std::uint32_t>> pending = {{whole, kLaneCount}};
     bool first = true;
     while (!pending.empty()) {
@@ -99,7 +128,11 @@ class WideTree::Collapse {
       pending.pop_back();
       const std::uint32_t used = set.isLeaf() ? 1 : costs_[set.node].slots[slots - 1];
       if (!first && used == 1) {
-        parts.push_back(set);
+        if (isPacket(set)) {
+          parts.addPacket(set);
+        } else {
+          parts.nodes.push_back(set);
+        }
         continue;
       }
       const auto [one, other] = tree_.children(set);
@@ -109,13 +142,7 @@ class WideTree::Collapse {
       pending.emplace_back(one, for_first);
       first = false;
     }
-    std::stable_partition(parts.begin(), parts.end(),
-                          [&](const Set& set) { return !isPacket(set); });
     return parts;
-  }
-
-  bool isPacket(const Set& set) const {
-    return set.isLeaf() || (set.size() <= kLaneCount && costs_[set.node].is_packet);
   }
 
  private:
@@ -129,6 +156,10 @@ class WideTree::Collapse {
     float weight;
     bool is_packet;
   };
+
+  bool isPacket(const Set& set) const {
+    return set.isLeaf() || (set.size() <= kLaneCount && costs_[set.node].is_packet);
+  }
 
   float costOf(const Set& set, std::uint32_t slots, float weight) const {
     return set.isLeaf() ? kPacketCost * weight : costs_[set.node].cost[slots - 1];
@@ -186,6 +217,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     store((kShorter * principalAxes(&centroids[sets[self].begin], sets[self].size())).cast<float>(),
           nodes_[self].axes);
   }
+  vertices_.resize(mesh.positions().size());
   nodes_.shrink_to_fit();
   packets_.shrink_to_fit();
   parents_.shrink_to_fit();
@@ -200,31 +232,31 @@ void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collaps
                            std::uint32_t self, std::vector<Set>& sets) {
   nodes_[self].first_node = static_cast<std::uint32_t>(nodes_.size());
   nodes_[self].first_packet = static_cast<std::uint32_t>(packets_.size());
-  for (const Set& part : collapse.partsOf(sets[self])) {
-    ++nodes_[self].lane_count;
-    if (!collapse.isPacket(part)) {
-      ++nodes_[self].node_count;
-      sets.push_back(part);
-      nodes_.emplace_back();
-      parents_.push_back(self);
-      continue;
-    }
+  const auto [nodes, packets] = collapse.partsOf(sets[self]);
+  nodes_[self].node_count = static_cast<std::uint8_t>(nodes.size());
+  nodes_[self].lane_count = static_cast<std::uint8_t>(nodes.size() + packets.size());
+  for (const Set& set : nodes) {
+    sets.push_back(set);
+    nodes_.emplace_back();
+    parents_.push_back(self);
+  }
+  for (const auto& [begin, end] : packets) {
     const auto packet_number = static_cast<std::uint32_t>(packets_.size());
-    for (std::uint32_t lane = 0; lane < part.size(); ++lane)
-      places_[index(tree.triangle(part.begin + lane))] = packet_number * kLaneCount + lane;
+    for (Leaf leaf = begin; leaf < end; ++leaf)
+      places_[index(tree.triangle(leaf))] = packet_number * kLaneCount + leaf - begin;
     Packet& packet = packets_.emplace_back();
-    packet.first_leaf = part.begin;
-    packet.lane_count = part.size();
+    packet.first_leaf = begin;
+    packet.lane_count = end - begin;
     packet.parent = self;
   }
 }
 
 void WideTree::listCorners(const FarthestPairTree& tree, const TriangleMesh& mesh) {
   corners_.reserve(mesh.triangleCount());
-  const auto place = [](VertexId vertex) { return static_cast<std::uint32_t>(3 * index(vertex)); };
+  const auto number = [](VertexId vertex) { return static_cast<std::uint32_t>(index(vertex)); };
   for (Leaf leaf = 0; leaf < mesh.triangleCount(); ++leaf) {
     const auto& [a, b, c] = mesh.corners(tree.triangle(leaf));
-    corners_.push_back({place(a), place(b), place(c)});
+    corners_.push_back({number(a), number(b), number(c)});
   }
 }
 
@@ -274,15 +306,16 @@ WideTree::Range WideTree::packetsOf(const Range& nodes) const {
 
 /// First what is below some nodes of one level, side by side; then the rest above.
 void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
+  placeAll(mesh);
   std::size_t level = 0;
   const auto end_of = [this](std::size_t number) {
     return number + 1 < levels_.size() ? levels_[number + 1] : nodes_.size();
   };
-  const std::size_t wanted = packets_.size() / kPacketGrain;
+  const std::size_t wanted = std::min(kTasks, packets_.size() / kPacketGrain);
   while (level + 1 < levels_.size() && end_of(level) - levels_[level] < wanted) ++level;
   const std::size_t begin = levels_[level];
   const std::size_t end = end_of(level);
-  const std::size_t grain = 1 + (end - begin) * kPacketGrain / packets_.size();
+  const std::size_t grain = 1 + (end - begin) / (2 * wanted + 1);
   // In the same parts each time, so that sums round the same way.
   tally_ = tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(begin, end, grain), HealthTally(),
@@ -298,7 +331,6 @@ void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
         return first;
       });
   tally_.add(fill(mesh, {0, nodes_[begin].first_packet}));
-  tally_.rounding = static_cast<double>(mesh.triangleCount()) * HealthTally::kVolumeRounding;
   enclose({0, static_cast<std::uint32_t>(begin)}, fit);
 }
 
@@ -315,7 +347,9 @@ HealthTally WideTree::fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit
   return tally;
 }
 
-void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& moved) {
+void WideTree::refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
+                     const std::vector<TriangleId>& touched) {
+  for (const VertexId vertex : moved) place(mesh, index(vertex), index(vertex) + 1);
   std::vector<std::uint32_t> packets;
   std::vector<std::uint32_t> nodes;
   const auto touch = [this](std::vector<std::uint32_t>& list, std::uint32_t number,
@@ -325,7 +359,7 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& mo
     list.push_back(number);
     return true;
   };
-  for (const TriangleId triangle : moved) {
+  for (const TriangleId triangle : touched) {
     const std::uint32_t packet = places_[index(triangle)] / kLaneCount;
     if (!touch(packets, packet, nodes_.size() + packet)) continue;
     std::uint32_t node = packets_[packet].parent;
@@ -333,10 +367,9 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& mo
   }
   std::sort(nodes.rbegin(), nodes.rend());  // children before parents
   for (const std::uint32_t packet : packets) {
-    tally_.volume -= tallies_[packet].volume;
-    tally_.degenerate_triangles -= flatIn(packet);
+    tally_.subtract(tallyOf(packet));
     tally_.add(fill(mesh, {packet, packet + 1}));
-    tally_.rounding += 2.0 * packets_[packet].lane_count * HealthTally::kVolumeRounding;
+    tally_.rounding += kSumRounding;
     touched_[nodes_.size() + packet] = false;
   }
   for (const std::uint32_t node : nodes) {
@@ -345,38 +378,52 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& mo
   }
 }
 
-/// Returns what their triangles add to the health, but for the rounding.
-HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& packets) {
+void WideTree::placeAll(const TriangleMesh& mesh) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices_.size(), kVertexGrain),
+                    [&](const auto& some) { place(mesh, some.begin(), some.end()); });
+}
+
+/// Takes over where some vertices are.
+void WideTree::place(const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
   const auto& [center, scale] = frame();
-  const PlainMesh plain = {mesh.positions().front().data(),
-                           corners_.data(),
-                           {{center.x(), center.y(), center.z()}, scale}};
-  kernels().fill(plain, packets_.data() + packets.begin, packets.end - packets.begin,
-                 centroids_.places.data(), tallies_.data() + packets.begin);
+  kernels().place(mesh.positions()[begin].data(), end - begin,
+                  {{center.x(), center.y(), center.z()}, scale}, &vertices_[begin]);
+}
+
+/// Returns what their triangles add to the health.
+HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& packets) {
+  kernels().fill({vertices_.data(), corners_.data()}, packets_.data() + packets.begin,
+                 packets.end - packets.begin, centroids_.places.data(),
+                 tallies_.data() + packets.begin);
   HealthTally tally;
+  double squared_edges = 0.0;
   for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
-    tally.volume += tallies_[number].volume;
-    if (tallies_[number].flat == 0) continue;
-    keepFlat(mesh, number);
-    tally.degenerate_triangles += flatIn(number);
+    const PacketTally& packet = tallies_[number];
+    tally.volume += double{packet.volume};
+    squared_edges += double{packet.squared_edges};
+    if (packet.flat != 0) tally.degenerate_triangles += keepFlat(mesh, number);
   }
+  tally.rounding = kVolumeRounding * squared_edges;
   return tally;
 }
 
-/// Leaves those of a packet's flat triangles that are so exactly.
-void WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
+/// Leaves those of a packet's flat triangles that are so exactly; returns their number.
+std::size_t WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
   const Packet& packet = packets_[number];
   std::uint32_t& flat = tallies_[number].flat;
   for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) {
     const auto& [a, b, c] = corners_[packet.first_leaf + lane];
     if ((flat >> lane & 1U) != 0 &&
-        !collinear(mesh.positions()[a / 3], mesh.positions()[b / 3], mesh.positions()[c / 3]))
+        !collinear(mesh.positions()[a], mesh.positions()[b], mesh.positions()[c]))
       flat &= ~(1U << lane);
   }
+  return std::bitset<kLaneCount>(flat).count();
 }
 
-std::size_t WideTree::flatIn(std::uint32_t packet) const {
-  return std::bitset<kLaneCount>(tallies_[packet].flat).count();
+HealthTally WideTree::tallyOf(std::uint32_t packet) const {
+  const PacketTally& tally = tallies_[packet];
+  return {std::bitset<kLaneCount>(tally.flat).count(), 0, double{tally.volume},
+          kVolumeRounding * double{tally.squared_edges}};
 }
 
 void WideTree::enclose(const Range& nodes, Fit fit) {
@@ -402,9 +449,9 @@ std::size_t WideTree::searchMemory() const {
 }
 
 std::size_t WideTree::memory() const {
-  return searchMemory() + tallies_.capacity() * sizeof(PacketTally) +
-         touched_.capacity() / CHAR_BIT + corners_.capacity() * sizeof(corners_.front()) +
-         parts_.capacity() * sizeof(NodePart) +
+  return searchMemory() + vertices_.capacity() * sizeof(VertexPlace) +
+         tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
+         corners_.capacity() * sizeof(corners_.front()) + parts_.capacity() * sizeof(NodePart) +
          (first_parts_.capacity() + parents_.capacity() + places_.capacity() + levels_.capacity()) *
              sizeof(std::uint32_t);
 }

@@ -87,6 +87,25 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
   }
 }
 
+TEST_P(MovedMesh, KnowsWhetherItIsInvertedHoweverThinItIs) {
+  const TriangleMesh blob = test::blob(4);
+  const Eigen::Matrix3d tilt =
+      Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+  CollisionMesh organ(blob);
+  for (int exponent = 0; exponent > -40; --exponent) {
+    for (const double thickness : {std::ldexp(1.0, exponent), -std::ldexp(1.0, exponent)}) {
+      Points pressed = blob.positions();
+      for (Eigen::Vector3d& point : pressed)
+        point = tilt * Eigen::Vector3d(point.x(), point.y(), thickness * point.z());
+      organ.refit(pressed);
+      EXPECT_EQ(organ.health().inverted, thickness < 0.0) << thickness;
+      organ.refit({VertexId{0}}, {pressed[0]});
+      EXPECT_EQ(organ.health().inverted, thickness < 0.0) << thickness;
+      EXPECT_EQ(CollisionMesh(organ.mesh()).health().inverted, thickness < 0.0) << thickness;
+    }
+  }
+}
+
 TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBox) {
   Points points = test::cube().positions();
   points.emplace_back(0, 0, 100);

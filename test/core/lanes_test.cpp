@@ -78,11 +78,14 @@ TEST(Lanes, AreFoldedRowByRow) {
 }
 
 TEST(Lanes, AreGatheredFromAnywhere) {
-  double points[3 * kLanes];
-  for (int i = 0; i < 3 * kLanes; ++i) points[i] = i;
+  VertexPlace places[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    const auto x = static_cast<float>(3 * i);
+    places[i] = {x, x + 1, x + 2};
+  }
   const auto number = [](std::uint32_t lane) { return 5 * lane % kLanes; };
-  const LaneVector<double> gathered =
-      gather([&](std::uint32_t lane) { return points + 3 * number(lane); });
+  const LaneVector<float> gathered =
+      gather([&](std::uint32_t lane) { return places + number(lane); });
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     EXPECT_EQ(gathered.x[lane], 3 * number(lane));
     EXPECT_EQ(gathered.y[lane], 3 * number(lane) + 1);

@@ -43,6 +43,7 @@ class CollisionMesh {
  private:
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
   void refitAll();
+  bool isVolumeDoubtful() const;
   void updateHealth(const Box& box);
 
   TriangleMesh mesh_;

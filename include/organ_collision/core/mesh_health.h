@@ -36,6 +36,7 @@ struct HealthTally {
   static constexpr double kVolumeRounding = 0x1p-49 * 4 * 4 * 4;
 
   void add(const HealthTally& other);
+  void subtract(const HealthTally& other);
 };
 
 /// Of all triangles. O(n).

@@ -38,10 +38,16 @@ struct NodePart {
   std::array<std::array<float, 3>, 3> turn;  ///< to the axes above
 };
 
+/// A vertex in the unit frame, aligned so that it is read at once.
+struct alignas(16) VertexPlace {
+  float x, y, z;
+};
+
 /// What a packet's triangles add to their mesh's health.
 struct PacketTally {
-  double volume;       ///< six times, in the unit frame
-  std::uint32_t flat;  ///< the lanes, by bits, of triangles of zero area
+  float volume;         ///< six times, in the unit frame
+  float squared_edges;  ///< the sum of two of each triangle's, in the unit frame
+  std::uint32_t flat;   ///< the lanes, by bits, of triangles of zero area
 };
 
 }  // namespace organ_collision::core

@@ -40,9 +40,10 @@ class WideTree {
   /// AABB trees" (1997).
   void refit(const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// The same where only triangles of `moved` have moved, in the frame of the last refit.
-  /// O(k log n) for k triangles.
-  void refit(const TriangleMesh& mesh, const std::vector<TriangleId>& moved);
+  /// The same where only these vertices have moved, in the frame of the last refit; `touched` are
+  /// their triangles. O(k log n) for k triangles.
+  void refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
+             const std::vector<TriangleId>& touched);
 
   /// What the triangles add to their mesh's health, but for parted corners.
   const HealthTally& tally() const { return tally_; }
@@ -77,21 +78,24 @@ class WideTree {
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
+  void placeAll(const TriangleMesh& mesh);
+  void place(const TriangleMesh& mesh, std::size_t begin, std::size_t end);
   HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
   HealthTally fill(const TriangleMesh& mesh, const Range& packets);
-  void keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
-  std::size_t flatIn(std::uint32_t packet) const;
+  std::size_t keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
+  HealthTally tallyOf(std::uint32_t packet) const;
   void enclose(const Range& nodes, Fit fit);
 
   FarthestPairTree::Centroids centroids_;
   std::vector<Node> nodes_;
   std::vector<Packet> packets_;
+  std::vector<VertexPlace> vertices_;
   std::vector<PacketTally> tallies_;  // of the packets
   HealthTally tally_;
   std::vector<bool> touched_;  // nodes, then packets; none but while some are refitted
 
   // The rest stays as it was built.
-  std::vector<std::array<std::uint32_t, 3>> corners_;  // of each leaf: three times their numbers
+  std::vector<std::array<std::uint32_t, 3>> corners_;  // of each leaf
   std::vector<NodePart> parts_;                        // one node's after another's
   std::vector<std::uint32_t> first_parts_;             // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;                 // of the nodes
