@@ -30,16 +30,15 @@ CollisionMesh::CollisionMesh(TriangleMesh mesh)
   updateHealth(boxOf(mesh_));
 }
 
-void CollisionMesh::refitAll() {
-  const Box box = boxOf(mesh_);
+void CollisionMesh::refitAll(const Box& box) {
   wide_tree_.refit(mesh_, unitFrame(box));
   parted_corners_ = partedCorners(mesh_, *topology_);
   updateHealth(box);
 }
 
 void CollisionMesh::refit(Points positions) {
-  mesh_.setPositions(std::move(positions));
-  refitAll();
+  const Box box = mesh_.setPositions(std::move(positions));
+  refitAll(mesh_.usesAllVertices() ? box : boxOf(mesh_));
 }
 
 /// Those at vertices, each as often as it has vertices there.
@@ -88,12 +87,12 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
   }
   if (!fits(box, wide_tree_.frame())) {
-    refitAll();
+    refitAll(box);
     return;
   }
   wide_tree_.refit(mesh_, moved, touched);
   if (isVolumeDoubtful()) {
-    refitAll();
+    refitAll(box);
     return;
   }
   updateHealth(box);

@@ -10,7 +10,7 @@ namespace {
 
 inline void place(const double* positions, std::size_t count, const PlainUnitFrame& frame,
                   VertexPlace* places) {
-  const auto& [center, scale] = frame;
+  const std::array<double, 3>& center = frame.center;
 #if defined(__AVX__)
   using Four __attribute__((vector_size(32))) = double;
   using Mask __attribute__((vector_size(32))) = long long;
@@ -20,11 +20,11 @@ inline void place(const double* positions, std::size_t count, const PlainUnitFra
     const Four position = __builtin_ia32_maskloadpd256(  // of the fourth, memory may have none
         reinterpret_cast<const Four*>(positions + 3 * i), Mask{-1, -1, -1, 0});
     *reinterpret_cast<Rounded*>(places + i) =
-        __builtin_convertvector(scale * (position - middle), Rounded);
+        __builtin_convertvector(frame.scale * (position - middle), Rounded);
   }
 #else
   const auto coordinate = [&](std::size_t i, std::size_t axis) {
-    return static_cast<float>(scale * (positions[3 * i + axis] - center[axis]));
+    return static_cast<float>(frame.scale * (positions[3 * i + axis] - center[axis]));
   };
   for (std::size_t i = 0; i < count; ++i)
     places[i] = {coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)};

@@ -21,16 +21,15 @@ void requireFewEnough(std::size_t count, const char* what) {
 
 bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordinate; }
 
-bool areUsable(const Points& positions) {
-  if (positions.empty()) return true;
+/// Returns the positions' box.
+Box requireAllUsable(const Points& positions) {
+  if (positions.empty()) return Box();
   const auto [low, high, finite] = boxOfPoints(positions.front().data(), positions.size());
-  return finite && std::all_of(low.begin(), low.end(), isUsable) &&
-         std::all_of(high.begin(), high.end(), isUsable);
-}
-
-void requireAllUsable(const Points& positions) {
-  if (areUsable(positions)) return;
-  for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
+  if (!finite || !std::all_of(low.begin(), low.end(), isUsable) ||
+      !std::all_of(high.begin(), high.end(), isUsable)) {
+    for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
+  }
+  return {Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
 }
 
 /// (low + high) + middle: the same bits for every order of the three, and for their negatives.
@@ -73,13 +72,14 @@ TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)
   uses_all_vertices_ = std::find(used.begin(), used.end(), false) == used.end();
 }
 
-void TriangleMesh::setPositions(Points positions) {
+Box TriangleMesh::setPositions(Points positions) {
   if (positions.size() != positions_.size()) {
     throw std::invalid_argument(std::to_string(positions.size()) + " positions given for " +
                                 std::to_string(positions_.size()) + " vertices");
   }
-  requireAllUsable(positions);
+  const Box box = requireAllUsable(positions);
   positions_ = std::move(positions);
+  return box;
 }
 
 void TriangleMesh::requireFitting(const std::vector<VertexId>& moved,

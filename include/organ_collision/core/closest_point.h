@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/triangle.h"
 
 namespace organ_collision::core {
 
@@ -26,12 +26,6 @@ struct ClosestPoint {
   Feature feature;
   double squared_distance;  ///< [m^2] squaredLength(offset)
 };
-
-/// x^2 + y^2 + z^2, evaluated in one fixed order: never less than the same sum over smaller
-/// magnitudes.
-inline double squaredLength(const Eigen::Vector3d& v) {
-  return (v.x() * v.x() + v.y() * v.y()) + v.z() * v.z();
-}
 
 /// The point of `triangle` closest to `query` [m], the same for every order of the corners.
 /// Zero-area triangles are the segment or the point that they are, decided exactly: they have no

@@ -42,7 +42,7 @@ class CollisionMesh {
 
  private:
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
-  void refitAll();
+  void refitAll(const Box& box);
   bool isVolumeDoubtful() const;
   void updateHealth(const Box& box);
 

@@ -3,16 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "organ_collision/core/box.h"
 #include "organ_collision/core/ids.h"
+#include "organ_collision/core/triangle.h"
 
 namespace organ_collision::core {
-
-using Points = std::vector<Eigen::Vector3d>;
-
-/// Corner positions [m].
-struct Triangle {
-  Eigen::Vector3d a, b, c;
-};
 
 /// Positions and queries must stay below this in every coordinate [m]: their squares do not
 /// overflow.
@@ -43,9 +38,9 @@ class TriangleMesh {
     return {position(corner[0]), position(corner[1]), position(corner[2])};
   }
 
-  /// Moves all vertices [m]. Throws std::invalid_argument and leaves the mesh as it was if the
-  /// count differs or a position is not finite.
-  void setPositions(Points positions);
+  /// Moves all vertices [m]; returns their box. Throws std::invalid_argument and leaves the mesh as
+  /// it was if the count differs or a position is not finite.
+  Box setPositions(Points positions);
   /// Throws std::invalid_argument if the counts differ, a vertex is not there or a position is not
   /// usable.
   void requireFitting(const std::vector<VertexId>& moved, const Points& positions) const;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace organ_collision::core {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Corner positions [m].
+struct Triangle {
+  Eigen::Vector3d a, b, c;
+};
+
+/// x^2 + y^2 + z^2, evaluated in one fixed order: never less than the same sum over smaller
+/// magnitudes.
+inline double squaredLength(const Eigen::Vector3d& v) {
+  return (v.x() * v.x() + v.y() * v.y()) + v.z() * v.z();
+}
+
+}  // namespace organ_collision::core
