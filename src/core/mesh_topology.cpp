@@ -1,35 +1,60 @@
 #include "organ_collision/core/mesh_topology.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
+#include <limits>
 #include <numeric>
-#include <tuple>
+#include <utility>
 
 namespace organ_collision::core {
+namespace {
+
+constexpr std::size_t kGrain = 1024;  // welds that are worth a task
+
+/// Equal for equal positions: minus zero is zero.
+std::uint64_t hash(const Eigen::Vector3d& position) {
+  std::uint64_t mixed = 0;
+  for (const double coordinate : position + Eigen::Vector3d::Zero()) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &coordinate, sizeof(bits));
+    mixed = (mixed ^ bits ^ (bits >> 32)) * 0x9E3779B97F4A7C15;
+    mixed ^= mixed >> 32;
+  }
+  return mixed;
+}
+
+}  // namespace
 
 MeshTopology::MeshTopology(const TriangleMesh& mesh) {
   weldVertices(mesh);
   listTriangles(mesh);
-  inspectEdges(mesh);
-  countDuplicates(mesh);
+  inspect(mesh);
 }
 
+/// By a table of the welds so far, at most half full, each at or after the place of its hash.
 void MeshTopology::weldVertices(const TriangleMesh& mesh) {
+  constexpr Weld kNone = std::numeric_limits<Weld>::max();
   const Points& positions = mesh.positions();
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&positions](std::uint32_t i, std::uint32_t j) {
-    const Eigen::Vector3d& p = positions[i];
-    const Eigen::Vector3d& q = positions[j];
-    return std::make_tuple(p.x(), p.y(), p.z(), i) < std::make_tuple(q.x(), q.y(), q.z(), j);
-  });
-  welds_.resize(positions.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i == 0 || positions[order[i]] != positions[order[i - 1]]) {
-      representatives_.push_back(static_cast<VertexId>(order[i]));
+  std::size_t size = 1;
+  while (size < 2 * positions.size()) size *= 2;
+  std::vector<Weld> table(size, kNone);
+  welds_.reserve(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    std::size_t place = hash(positions[i]) & (size - 1);
+    while (table[place] != kNone &&
+           positions[index(representatives_[table[place]])] != positions[i])
+      place = (place + 1) & (size - 1);
+    if (table[place] == kNone) {
+      table[place] = static_cast<Weld>(representatives_.size());
+      representatives_.push_back(static_cast<VertexId>(i));
     }
-    welds_[order[i]] = static_cast<Weld>(representatives_.size() - 1);
+    welds_.push_back(table[place]);
   }
 }
 
@@ -47,46 +72,80 @@ void MeshTopology::listTriangles(const TriangleMesh& mesh) {
   }
 }
 
-void MeshTopology::inspectEdges(const TriangleMesh& mesh) {
-  struct Edge {
-    Weld low, high;
-    int sense;  // +1 from low to high
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangleCount());
-  for (const Corners& corners : mesh.triangles()) {
-    for (const std::size_t i : {0, 1, 2}) {
-      const Weld from = weld(corners[i]);
-      const Weld to = weld(corners[(i + 1) % 3]);
-      if (from != to) edges.push_back({std::min(from, to), std::max(from, to), from < to ? 1 : -1});
-    }
-  }
-  const auto ends = [](const Edge& edge) { return std::tie(edge.low, edge.high); };
-  std::sort(edges.begin(), edges.end(),
-            [&ends](const Edge& a, const Edge& b) { return ends(a) < ends(b); });
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t uses = 0;
-    int balance = 0;
-    for (const std::size_t first = i; i < edges.size() && ends(edges[i]) == ends(edges[first]);
-         ++i) {
-      ++uses;
-      balance += edges[i].sense;
-    }
-    closed_ = closed_ && uses % 2 == 0;
-    consistently_wound_ = consistently_wound_ && std::abs(balance) <= 1;
-  }
-}
+struct MeshTopology::Findings {
+  bool closed = true;
+  bool consistently_wound = true;
+  std::size_t duplicate_triangles = 0;
+};
 
-void MeshTopology::countDuplicates(const TriangleMesh& mesh) {
-  std::vector<std::array<Weld, 3>> triples;
-  triples.reserve(mesh.triangleCount());
-  for (const Corners& corners : mesh.triangles()) {
-    triples.push_back({weld(corners[0]), weld(corners[1]), weld(corners[2])});
-    std::sort(triples.back().begin(), triples.back().end());
+/// Each edge and each triangle is looked at where its lowest weld is.
+class MeshTopology::Inspector {
+ public:
+  Inspector(const MeshTopology& topology, const TriangleMesh& mesh)
+      : topology_(topology), mesh_(mesh) {}
+
+  void inspect(Weld weld, Findings& findings) {
+    edges_.clear();
+    opposite_sides_.clear();
+    const TriangleId* last = nullptr;
+    for (const TriangleId& triangle : topology_.trianglesAt(weld)) {
+      // One with two corners here comes twice.
+      if (last == nullptr || *last != triangle) add(triangle, weld);
+      last = &triangle;
+    }
+    std::sort(edges_.begin(), edges_.end());
+    for (auto edge = edges_.begin(); edge != edges_.end();) {
+      std::size_t uses = 0;
+      int balance = 0;
+      for (const Weld end = edge->first; edge != edges_.end() && edge->first == end; ++edge) {
+        ++uses;
+        balance += edge->second;
+      }
+      findings.closed = findings.closed && uses % 2 == 0;
+      findings.consistently_wound = findings.consistently_wound && std::abs(balance) <= 1;
+    }
+    std::sort(opposite_sides_.begin(), opposite_sides_.end());
+    const auto different = std::unique(opposite_sides_.begin(), opposite_sides_.end());
+    findings.duplicate_triangles += static_cast<std::size_t>(opposite_sides_.end() - different);
   }
-  std::sort(triples.begin(), triples.end());
-  duplicate_triangles_ =
-      static_cast<std::size_t>(triples.end() - std::unique(triples.begin(), triples.end()));
+
+ private:
+  void add(TriangleId triangle, Weld weld) {
+    const auto& [a, b, c] = mesh_.corners(triangle);
+    std::array<Weld, 3> welds = {topology_.weld(a), topology_.weld(b), topology_.weld(c)};
+    for (const std::size_t i : {0, 1, 2}) {
+      const Weld from = welds[i];
+      const Weld to = welds[(i + 1) % 3];
+      if (from == weld && weld < to) edges_.emplace_back(to, 1);
+      if (to == weld && weld < from) edges_.emplace_back(from, -1);
+    }
+    std::sort(welds.begin(), welds.end());
+    if (welds[0] == weld) opposite_sides_.emplace_back(welds[1], welds[2]);
+  }
+
+  const MeshTopology& topology_;
+  const TriangleMesh& mesh_;
+  std::vector<std::pair<Weld, int>> edges_;  // their other end; +1 if they run towards it, else -1
+  std::vector<std::pair<Weld, Weld>> opposite_sides_;
+};
+
+void MeshTopology::inspect(const TriangleMesh& mesh) {
+  const Findings findings = tbb::parallel_reduce(
+      tbb::blocked_range<Weld>(0, static_cast<Weld>(representatives_.size()), kGrain), Findings(),
+      [&](const auto& some, Findings findings_so_far) {
+        Inspector inspector(*this, mesh);
+        for (Weld weld = some.begin(); weld < some.end(); ++weld)
+          inspector.inspect(weld, findings_so_far);
+        return findings_so_far;
+      },
+      [](const Findings& first, const Findings& second) {
+        return Findings{first.closed && second.closed,
+                        first.consistently_wound && second.consistently_wound,
+                        first.duplicate_triangles + second.duplicate_triangles};
+      });
+  closed_ = findings.closed;
+  consistently_wound_ = findings.consistently_wound;
+  duplicate_triangles_ = findings.duplicate_triangles;
 }
 
 std::size_t MeshTopology::memory() const {

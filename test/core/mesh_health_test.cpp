@@ -2,6 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+
 #include "test_meshes.h"
 
 namespace organ_collision::core {
@@ -67,6 +75,68 @@ TEST(MeshHealth, BoxLeavesOutVerticesThatNoTriangleUses) {
   points.emplace_back(100, 100, 100);
   EXPECT_EQ(healthOf(TriangleMesh(points, test::cube().triangles())).box.high,
             Eigen::Vector3d(1, 1, 1));
+}
+
+struct Counts {
+  bool closed = true;
+  bool consistently_wound = true;
+  std::size_t duplicate_triangles = 0;
+};
+
+/// By position, without welds.
+Counts countsOf(const TriangleMesh& mesh) {
+  using Place = std::array<double, 3>;
+  const auto place = [&mesh](VertexId vertex) {
+    const Eigen::Vector3d& position = mesh.position(vertex);
+    return Place{position.x() + 0.0, position.y() + 0.0, position.z() + 0.0};
+  };
+  std::map<std::pair<Place, Place>, std::array<int, 2>> uses;  // of each edge, in both senses
+  std::set<std::array<Place, 3>> different;
+  for (const Corners& triangle : mesh.triangles()) {
+    std::array<Place, 3> places = {place(triangle[0]), place(triangle[1]), place(triangle[2])};
+    for (const std::size_t i : {0, 1, 2}) {
+      const auto [low, high] = std::minmax(places[i], places[(i + 1) % 3]);
+      if (low != high) ++uses[{low, high}][places[i] == low ? 0 : 1];
+    }
+    std::sort(places.begin(), places.end());
+    different.insert(places);
+  }
+  Counts counts;
+  for (const auto& [edge, senses] : uses) {
+    counts.closed = counts.closed && (senses[0] + senses[1]) % 2 == 0;
+    counts.consistently_wound = counts.consistently_wound && std::abs(senses[0] - senses[1]) <= 1;
+  }
+  counts.duplicate_triangles = mesh.triangleCount() - different.size();
+  return counts;
+}
+
+TEST(MeshHealth, CountsAsPositionsTellWhateverTheVerticesAre) {
+  std::mt19937 generator(7);
+  std::array<int, 3> seen = {};
+  for (int i = 0; i < 3000; ++i) {
+    Points points(3 + generator() % 8);
+    for (Eigen::Vector3d& point : points) {
+      const auto coordinate = [&] { return std::array{-0.0, 0.0, 1.0}[generator() % 3]; };
+      point = {coordinate(), coordinate(), coordinate()};
+    }
+    const auto vertex = [&] { return generator() % points.size(); };
+    std::vector<Corners> triangles(1 + generator() % 4, corners(vertex(), vertex(), vertex()));
+    for (Corners& triangle : triangles) {
+      std::rotate(triangle.begin(), triangle.begin() + generator() % 3, triangle.end());
+      if (generator() % 2 == 0) std::swap(triangle[0], triangle[1]);
+      if (generator() % 2 == 0) triangle = corners(vertex(), vertex(), vertex());
+    }
+    const TriangleMesh mesh(points, triangles);
+    const Counts expected = countsOf(mesh);
+    const MeshTopology topology(mesh);
+    ASSERT_EQ(topology.closed(), expected.closed);
+    ASSERT_EQ(topology.consistentlyWound(), expected.consistently_wound);
+    ASSERT_EQ(topology.duplicateTriangles(), expected.duplicate_triangles);
+    seen[0] += expected.closed ? 1 : 0;
+    seen[1] += expected.consistently_wound ? 0 : 1;
+    seen[2] += expected.duplicate_triangles > 0 ? 1 : 0;
+  }
+  for (const int often : seen) EXPECT_GT(often, 100);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ class MeshTopology {
     const TriangleId* end() const { return last; }
   };
 
-  /// O(n log n).
+  /// O(n), but where very many triangles meet; on all cores.
   explicit MeshTopology(const TriangleMesh& mesh);
 
   Weld weld(VertexId vertex) const { return welds_[index(vertex)]; }
@@ -47,10 +47,12 @@ class MeshTopology {
   std::size_t memory() const;  ///< [bytes]
 
  private:
+  struct Findings;
+  class Inspector;
+
   void weldVertices(const TriangleMesh& mesh);
   void listTriangles(const TriangleMesh& mesh);
-  void inspectEdges(const TriangleMesh& mesh);
-  void countDuplicates(const TriangleMesh& mesh);
+  void inspect(const TriangleMesh& mesh);
 
   std::vector<Weld> welds_;                // of each vertex
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
