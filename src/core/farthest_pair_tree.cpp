@@ -6,6 +6,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <tuple>
@@ -40,32 +41,59 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
                                       });
 }
 
+using Columns = std::array<std::vector<double>, 3>;
+
+Columns columnsOf(std::size_t size) {
+  return {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
+}
+
+Columns centroidsOf(const TriangleMesh& mesh) {
+  constexpr std::size_t kGrain = 1024;  // triangles that are worth a task
+  Columns centroids = columnsOf(mesh.triangleCount());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kGrain), [&](const auto& some) {
+        for (std::size_t i = some.begin(); i < some.end(); ++i) {
+          const Eigen::Vector3d at = centroid(mesh.triangle(static_cast<TriangleId>(i)));
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            centroids[axis][i] = at[static_cast<Eigen::Index>(axis)];
+        }
+      });
+  return centroids;
+}
+
 struct Member {
-  Eigen::Vector3d centroid;
+  double x;  // of the centroid
   TriangleId triangle;
 };
 
 /// All triangles by centroid, then by sorted corners: from here on "lexicographically smaller" is
 /// "comes first".
-std::vector<Member> orderedMembers(const TriangleMesh& mesh) {
+std::vector<Member> orderedMembers(const TriangleMesh& mesh, const Columns& centroids) {
   std::vector<Member> members(mesh.triangleCount());
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const auto id = static_cast<TriangleId>(i);
-    members[i] = {centroid(mesh.triangle(id)), id};
+  for (std::size_t i = 0; i < members.size(); ++i)
+    members[i] = {centroids[0][i], static_cast<TriangleId>(i)};
+  const auto is_left = [](const Member& a, const Member& b) { return a.x < b.x; };
+  tbb::parallel_sort(members.begin(), members.end(), is_left);
+  const auto comes_first = [&](const Member& first, const Member& second) {
+    for (const std::size_t axis : {1, 2}) {
+      const double one = centroids[axis][index(first.triangle)];
+      const double other = centroids[axis][index(second.triangle)];
+      if (one != other) return one < other;
+    }
+    const Triangle one = mesh.triangle(first.triangle);
+    const Triangle other = mesh.triangle(second.triangle);
+    for (const auto& corners : {sortedCorners, cornersOf}) {  // the latter for turned duplicates
+      if (corners(one) != corners(other))
+        return lexicographicallyLess(corners(one), corners(other));
+    }
+    return first.triangle < second.triangle;
+  };
+  for (auto begin = members.begin(); begin != members.end();) {
+    const auto end = std::find_if(begin, members.end(),
+                                  [begin](const Member& member) { return member.x != begin->x; });
+    tbb::parallel_sort(begin, end, comes_first);
+    begin = end;
   }
-  tbb::parallel_sort(members.begin(), members.end(),
-                     [&](const Member& first, const Member& second) {
-                       if (first.centroid != second.centroid)
-                         return lexicographicallyLess(first.centroid, second.centroid);
-                       const Triangle one = mesh.triangle(first.triangle);
-                       const Triangle other = mesh.triangle(second.triangle);
-                       for (const auto& corners :
-                            {sortedCorners, cornersOf}) {  // the latter for turned duplicates
-                         if (corners(one) != corners(other))
-                           return lexicographicallyLess(corners(one), corners(other));
-                       }
-                       return first.triangle < second.triangle;
-                     });
   return members;
 }
 
@@ -85,13 +113,16 @@ double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoef
 /// split side by side.
 class FarthestPairTree::Builder {
  public:
-  Builder(const TriangleMesh& mesh, std::vector<Node>& nodes) : nodes_(nodes) {
-    for (const Member& member : orderedMembers(mesh)) {
-      centroids_.push_back(member.centroid);
-      triangles_.push_back(member.triangle);
+  Builder(const TriangleMesh& mesh, std::vector<Node>& nodes)
+      : nodes_(nodes),
+        spare_centroids_(columnsOf(mesh.triangleCount())),
+        spare_triangles_(mesh.triangleCount()) {
+    const Columns centroids = centroidsOf(mesh);
+    for (const auto& [x, triangle] : orderedMembers(mesh, centroids)) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        centroids_[axis].push_back(centroids[axis][index(triangle)]);
+      triangles_.push_back(triangle);
     }
-    spare_centroids_.resize(centroids_.size());
-    spare_triangles_.resize(triangles_.size());
   }
 
   void run() {
@@ -139,16 +170,22 @@ class FarthestPairTree::Builder {
 
   /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.
   std::uint32_t split(const Set& set) {
-    const FarthestPair pair = farthestPair(&centroids_[set.begin], set.size());
+    const FarthestPair pair = farthestPair(
+        {&centroids_[0][set.begin], &centroids_[1][set.begin], &centroids_[2][set.begin]},
+        set.size());
     const bool coincident = pair.squared_distance == 0.0;
     const std::size_t first = set.begin + pair.first;
     const std::size_t second = set.begin + (coincident ? set.size() / 2 : pair.second);
     Node& node = nodes_[set.node];
     node.poles = {static_cast<Leaf>(index(triangles_[first])),
                   static_cast<Leaf>(index(triangles_[second]))};
-    const std::array<Eigen::Vector3d, 2> at = {centroids_[first], centroids_[second]};
-    node.first_size = coincident ? set.size() / 2 : separate(set, at[0], at[1]);
+    node.first_size =
+        coincident ? set.size() / 2 : separate(set, centroid(first), centroid(second));
     return node.first_size;
+  }
+
+  Eigen::Vector3d centroid(std::size_t i) const {
+    return {centroids_[0][i], centroids_[1][i], centroids_[2][i]};
   }
 
   /// Puts those that are nearer to the first pole in front; returns how many they are.
@@ -157,16 +194,23 @@ class FarthestPairTree::Builder {
     Leaf kept = set.begin;
     Leaf moved = set.begin;
     for (Leaf i = set.begin; i < set.end; ++i) {
-      const Eigen::Vector3d at = centroids_[i];
-      if (squaredLength(at - first_pole) < squaredLength(at - second_pole)) {
-        centroids_[kept] = at;
-        triangles_[kept++] = triangles_[i];
-      } else {
-        spare_centroids_[moved] = at;
-        spare_triangles_[moved++] = triangles_[i];
+      const Eigen::Vector3d at = centroid(i);
+      const TriangleId triangle = triangles_[i];
+      // Written to both places, as no branch could be foreseen.
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double value = centroids_[axis][i];
+        centroids_[axis][kept] = value;
+        spare_centroids_[axis][moved] = value;
       }
+      triangles_[kept] = triangle;
+      spare_triangles_[moved] = triangle;
+      const bool keep = squaredLength(at - first_pole) < squaredLength(at - second_pole);
+      kept += keep ? 1 : 0;
+      moved += keep ? 0 : 1;
     }
-    std::copy(&spare_centroids_[set.begin], &spare_centroids_[moved], &centroids_[kept]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      std::copy(&spare_centroids_[axis][set.begin], &spare_centroids_[axis][moved],
+                &centroids_[axis][kept]);
     std::copy(&spare_triangles_[set.begin], &spare_triangles_[moved], &triangles_[kept]);
     return kept - set.begin;
   }
@@ -178,7 +222,7 @@ class FarthestPairTree::Builder {
   }
 
   std::vector<Node>& nodes_;
-  Points centroids_, spare_centroids_;
+  Columns centroids_, spare_centroids_;
   std::vector<TriangleId> triangles_, spare_triangles_;
   std::atomic<std::size_t> depth_ = 0;
   tbb::task_group tasks_;

@@ -5,6 +5,7 @@
 
 #include "core/pair_search.h"
 #include "core/search.h"
+#include "organ_collision/core/farthest_pair.h"
 #include "organ_collision/core/ids.h"
 #include "organ_collision/core/wide_node.h"
 
@@ -36,6 +37,19 @@ struct PlainTree {
   const std::uint32_t* first_parts;  ///< of each node and, one more, their end
 };
 
+/// One of some points, by its place among them.
+struct FarPoint {
+  std::size_t index;
+  double squared_distance;
+};
+
+/// One of some points, and its power with respect to a ball: its squared distance from the middle
+/// less the squared radius.
+struct PoweredPoint {
+  std::size_t index;
+  double power;
+};
+
 /// The box of points [m].
 struct PlainBox {
   std::array<double, 3> low, high;
@@ -64,6 +78,18 @@ struct Kernels {
   /// Places the origins and boxes of nodes, the last first. REQUIRES: that is done for all nodes
   /// and packets below.
   void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);
+  /// The first of those that are farthest from a point. REQUIRES: eight points or more.
+  FarPoint (*farthestFrom)(const PointColumns& points, std::size_t count,
+                           const std::array<double, 3>& point);
+  /// As farthestPair(). REQUIRES: eight points or more.
+  FarthestPair (*farthestOfAllPairs)(const PointColumns& points, std::size_t count);
+  /// Lists those whose power is at least `least`, for the ball on the diameter that is given;
+  /// returns how many. The power errs by at most 16 u of the points' squared distance.
+  /// REQUIRES: eight points or more; room for all of them.
+  std::size_t (*listByPower)(const PointColumns& points, std::size_t count,
+                             const std::array<double, 3>& first,
+                             const std::array<double, 3>& second, double least,
+                             PoweredPoint* found);
 };
 
 extern const Kernels kBaselineKernels;

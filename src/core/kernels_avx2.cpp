@@ -1,5 +1,6 @@
 #include "core/box_of_points.h"
 #include "core/enclose.h"
+#include "core/far_points.h"
 #include "core/fill.h"
 #include "core/kernels.h"
 #include "core/pair_walk.h"
@@ -7,6 +8,7 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {walk, follow, walkPairs, followPairs, boxOf, place, fill, enclose};
+const Kernels kAvx2Kernels = {walk, follow,  walkPairs,    followPairs,        boxOf,      place,
+                              fill, enclose, farthestFrom, farthestOfAllPairs, listByPower};
 
 }  // namespace organ_collision::core

@@ -54,10 +54,19 @@ inline std::uint32_t bitsOf(const Truths& truths) {
     using Floats __attribute__((vector_size(32))) = float;
     return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(truths)));
   }
+  if constexpr (sizeof(truths) == 32 && sizeof(truths[0]) == 8) {
+    using Doubles __attribute__((vector_size(32))) = double;
+    return static_cast<std::uint32_t>(
+        __builtin_ia32_movmskpd256(reinterpret_cast<Doubles>(truths)));
+  }
 #elif defined(__SSE2__)
   if constexpr (sizeof(truths) == 16 && sizeof(truths[0]) == 4) {
     using Floats __attribute__((vector_size(16))) = float;
     return static_cast<std::uint32_t>(__builtin_ia32_movmskps(reinterpret_cast<Floats>(truths)));
+  }
+  if constexpr (sizeof(truths) == 16 && sizeof(truths[0]) == 8) {
+    using Doubles __attribute__((vector_size(16))) = double;
+    return static_cast<std::uint32_t>(__builtin_ia32_movmskpd(reinterpret_cast<Doubles>(truths)));
   }
 #endif
   std::uint32_t bits = 0;

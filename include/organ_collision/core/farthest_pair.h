@@ -1,9 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 
 namespace organ_collision::core {
+
+/// Points [m], one coordinate of all of them after another.
+struct PointColumns {
+  const double *x, *y, *z;
+};
 
 /// Two members of a set of points: first < second, or both 0 where all members coincide.
 struct FarthestPair {
@@ -16,11 +20,11 @@ struct FarthestPair {
 /// REQUIRES: count >= 1.
 /// Cost: a few sweeps over surfaces and volumes; n^2 never, but points on a sphere come close to
 /// n^1.5. Source: G. Malandain and J.-D. Boissonnat, "Computing the diameter of a point set"
-/// (2002): double normals, then the points outside the ball over the best pair; what is left is
-/// paired by branch and bound over two kd-trees.
-FarthestPair farthestPair(const Eigen::Vector3d* points, std::size_t count);
+/// (2002): double normals, then the points outside the ball over the best pair; these are paired
+/// with those that are far enough from its middle, many of them by branch and bound.
+FarthestPair farthestPair(const PointColumns& points, std::size_t count);
 
 /// The same by comparing all pairs: the reference for tests, and faster for a handful of points.
-FarthestPair farthestPairBruteForce(const Eigen::Vector3d* points, std::size_t count);
+FarthestPair farthestPairBruteForce(const PointColumns& points, std::size_t count);
 
 }  // namespace organ_collision::core

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "core/kernels.h"
+#include "core/lane_vector.h"
+
+// Which of many points are far away, for whichever vector unit includes it.
+namespace organ_collision::core {
+namespace {
+
+inline LaneVector<double> eightOf(const PointColumns& points, std::size_t first) {
+  return {Lanes<double>::copy(points.x + first), Lanes<double>::copy(points.y + first),
+          Lanes<double>::copy(points.z + first)};
+}
+
+inline LaneVector<double> everywhere(const std::array<double, 3>& point) {
+  return everywhere(Vector<double>{point[0], point[1], point[2]});
+}
+
+/// Calls visit(i) for the eights of points that begin at i; the last may overlap the one before.
+template <class Visit>
+[[gnu::always_inline]] inline void forEights(std::size_t count, const Visit& visit) {
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) visit(i);
+  if (i < count) visit(count - kLanes);
+}
+
+/// The largest squared distance so far of each lane, and where the first eight were that had it.
+struct Farthest {
+  Lanes<double> squared_distance = Lanes<double>::all(-1.0);
+  Lanes<double> place{};
+
+  void add(const LaneVector<double>& apart, std::size_t first_place) {
+    const Lanes<double> candidate = dot(apart, apart);
+    const Truth<double> nearer = candidate <= squared_distance;
+    squared_distance = select(nearer, squared_distance, candidate);
+    place = select(nearer, place, Lanes<double>::all(static_cast<double>(first_place)));
+  }
+
+  /// The first of all.
+  FarPoint first() const {
+    const double most = mostOf(squared_distance);
+    FarPoint farthest = {~std::size_t{0}, most};
+    for (std::uint32_t bits = (Lanes<double>::all(most) <= squared_distance).bits(); bits != 0;
+         bits &= bits - 1) {
+      const std::uint32_t lane = lowestBit(bits);
+      const std::size_t index = static_cast<std::size_t>(place[lane]) + lane;
+      if (index < farthest.index) farthest.index = index;
+    }
+    return farthest;
+  }
+};
+
+inline FarPoint farthestFrom(const PointColumns& points, std::size_t count,
+                             const std::array<double, 3>& point) {
+  const LaneVector<double> from = everywhere(point);
+  Farthest farthest;
+  forEights(count, [&](std::size_t i) { farthest.add(eightOf(points, i) - from, i); });
+  return farthest.first();
+}
+
+inline FarthestPair farthestOfAllPairs(const PointColumns& points, std::size_t count) {
+  Farthest farthest;
+  for (std::size_t i = 0; i < count; ++i) {
+    const LaneVector<double> from =
+        everywhere(Vector<double>{points.x[i], points.y[i], points.z[i]});
+    forEights(count,
+              [&](std::size_t j) { farthest.add(eightOf(points, j) - from, i * count + j); });
+  }
+  // The first place of a pair has the smaller index first.
+  const FarPoint pair = farthest.first();
+  return {pair.index / count, pair.index % count, pair.squared_distance};
+}
+
+/// The power is the product of the offsets from the two ends: Thales.
+inline std::size_t listByPower(const PointColumns& points, std::size_t count,
+                               const std::array<double, 3>& first,
+                               const std::array<double, 3>& second, double least,
+                               PoweredPoint* found) {
+  const LaneVector<double> one = everywhere(first);
+  const LaneVector<double> other = everywhere(second);
+  const Lanes<double> threshold = Lanes<double>::all(least);
+  PoweredPoint* end = found;
+  std::size_t next = 0;
+  forEights(count, [&](std::size_t i) {
+    const LaneVector<double> at = eightOf(points, i);
+    const Lanes<double> power = dot(at - one, at - other);
+    std::uint32_t bits = (threshold <= power).bits() & (~0U << (next - i));
+    for (; bits != 0; bits &= bits - 1) {
+      const std::uint32_t lane = lowestBit(bits);
+      *end++ = {i + lane, power[lane]};
+    }
+    next = i + kLanes;
+  });
+  return static_cast<std::size_t>(end - found);
+}
+
+}  // namespace
+}  // namespace organ_collision::core
