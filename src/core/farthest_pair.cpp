@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -16,7 +17,7 @@ namespace organ_collision::core {
 namespace {
 
 constexpr std::size_t kFewPoints = 32;   // all pairs of so many cost less than sweeps
-constexpr std::size_t kFewPairs = 8192;  // are compared rather than divided
+constexpr std::size_t kFewPairs = 4096;  // are compared rather than divided
 constexpr std::size_t kSweep = 256;      // points
 
 bool isBetter(const FarthestPair& candidate, const FarthestPair& best) {
@@ -55,8 +56,7 @@ class Diameter {
           [](const PoweredPoint& a, const PoweredPoint& b) { return a.power < b.power; });
       if (walkFrom(farthest_out.index)) continue;  // its ball leaves fewer points outside
       Members ends = members(outside);
-      Members others = members(pointsFarEnoughFor(farthest_out));
-      pairUp({ends.begin(), ends.end()}, {others.begin(), others.end()});
+      pairUp({ends.begin(), ends.end()}, members(pointsFarEnoughFor(farthest_out)));
       return best_;
     }
   }
@@ -72,7 +72,6 @@ class Diameter {
     Members::iterator begin() const { return first; }
     Members::iterator end() const { return last; }
     std::size_t size() const { return static_cast<std::size_t>(last - first); }
-    const Member& operator[](std::size_t i) const { return first[static_cast<std::ptrdiff_t>(i)]; }
   };
 
   Eigen::Vector3d at(std::size_t i) const { return {points_.x[i], points_.y[i], points_.z[i]}; }
@@ -85,20 +84,16 @@ class Diameter {
     return pair;
   }
 
-  /// Goes from a point to its farthest, from there to its farthest, while the distance grows. Both
-  /// ends of the best pair have then been compared with all. Returns whether a longer pair than
-  /// before was found.
+  /// Goes from a point to its farthest, from there to its farthest, while that makes the best pair
+  /// longer; returns whether it did.
   bool walkFrom(std::size_t start) {
     const double before = best_.squared_distance;
-    std::size_t from = start;
-    double reached = -1.0;
-    while (true) {
+    for (std::size_t from = start;;) {
+      const double reached = best_.squared_distance;
       const FarthestPair pair = scan(from);
-      if (pair.squared_distance <= reached) break;
-      reached = pair.squared_distance;
+      if (pair.squared_distance <= reached) return reached > before;
       from = pair.first == from ? pair.second : pair.first;
     }
-    return best_.squared_distance > before;
   }
 
   /// More than rounding takes from a power, or from a square as long as the best pair's: ties must
@@ -152,25 +147,25 @@ class Diameter {
     return all;
   }
 
-  /// Compares the ends with all others that may be farther from one of them than the best pair is
-  /// long. Recursion is safe: halving keeps it as deep as the logarithm of the count, whatever the
-  /// positions.
-  void pairUp(const Range& ends, const Range& others) {
+  /// Compares each end with all others that may be as far from it as the best pair is long.
+  /// REQUIRES: the others in order. Recursion is safe: halving keeps it as deep as the logarithm of
+  /// the count, whatever the positions.
+  void pairUp(const Range& ends, const Members& others) {
+    if (ends.size() == 1 || ends.size() * others.size() <= kFewPairs) {
+      compare(ends, others);
+      return;
+    }
     Box box;
     std::size_t lowest = count_;
     for (const Member& end : ends) {
       box.add(end.place);
       lowest = std::min(lowest, end.index);
     }
-    const auto can_win = [&](const Member& other) {
+    Members left;
+    std::copy_if(others.begin(), others.end(), std::back_inserter(left), [&](const Member& other) {
       const double bound = largestSquaredDistance(box, other.place);
       return isBetter(pairOf(lowest, other.index, bound), best_);
-    };
-    const Range left = {others.begin(), std::partition(others.begin(), others.end(), can_win)};
-    if (ends.size() == 1 || ends.size() * left.size() <= kFewPairs) {
-      compare(ends, left);
-      return;
-    }
+    });
     Eigen::Index axis = 0;
     (box.high - box.low).maxCoeff(&axis);
     const auto middle = ends.begin() + (ends.end() - ends.begin()) / 2;
@@ -181,12 +176,8 @@ class Diameter {
     pairUp({middle, ends.end()}, left);
   }
 
-  /// Each end with each other.
-  void compare(const Range& ends, const Range& others) {
-    if (others.size() == 0) return;
-    // Of those that tie, the first one counts; there must be eight.
-    std::sort(others.begin(), others.end(),
-              [](const Member& a, const Member& b) { return a.index < b.index; });
+  void compare(const Range& ends, const Members& others) {
+    if (others.empty()) return;
     const std::size_t count = std::max<std::size_t>(others.size(), kLaneCount);
     std::vector<double> columns(3 * count);
     const PointColumns places = {&columns[0], &columns[count], &columns[2 * count]};

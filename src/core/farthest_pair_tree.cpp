@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "organ_collision/core/closest_point.h"
@@ -43,12 +44,13 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
 
 using Columns = std::array<std::vector<double>, 3>;
 
+constexpr std::size_t kGrain = 1024;  // triangles that are worth a task
+
 Columns columnsOf(std::size_t size) {
   return {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
 }
 
 Columns centroidsOf(const TriangleMesh& mesh) {
-  constexpr std::size_t kGrain = 1024;  // triangles that are worth a task
   Columns centroids = columnsOf(mesh.triangleCount());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kGrain), [&](const auto& some) {
@@ -61,40 +63,50 @@ Columns centroidsOf(const TriangleMesh& mesh) {
   return centroids;
 }
 
-struct Member {
-  double x;  // of the centroid
-  TriangleId triangle;
-};
-
-/// All triangles by centroid, then by sorted corners: from here on "lexicographically smaller" is
-/// "comes first".
-std::vector<Member> orderedMembers(const TriangleMesh& mesh, const Columns& centroids) {
-  std::vector<Member> members(mesh.triangleCount());
-  for (std::size_t i = 0; i < members.size(); ++i)
-    members[i] = {centroids[0][i], static_cast<TriangleId>(i)};
-  const auto is_left = [](const Member& a, const Member& b) { return a.x < b.x; };
-  tbb::parallel_sort(members.begin(), members.end(), is_left);
-  const auto comes_first = [&](const Member& first, const Member& second) {
-    for (const std::size_t axis : {1, 2}) {
-      const double one = centroids[axis][index(first.triangle)];
-      const double other = centroids[axis][index(second.triangle)];
-      if (one != other) return one < other;
-    }
-    const Triangle one = mesh.triangle(first.triangle);
-    const Triangle other = mesh.triangle(second.triangle);
-    for (const auto& corners : {sortedCorners, cornersOf}) {  // the latter for turned duplicates
-      if (corners(one) != corners(other))
-        return lexicographicallyLess(corners(one), corners(other));
-    }
-    return first.triangle < second.triangle;
-  };
-  for (auto begin = members.begin(); begin != members.end();) {
-    const auto end = std::find_if(begin, members.end(),
-                                  [begin](const Member& member) { return member.x != begin->x; });
-    tbb::parallel_sort(begin, end, comes_first);
-    begin = end;
+/// By centroid, then by sorted corners: of two triangles, the lexicographically smaller.
+bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId first,
+                TriangleId second) {
+  for (const std::vector<double>& column : centroids) {
+    const double one = column[index(first)];
+    const double other = column[index(second)];
+    if (one != other) return one < other;
   }
-  return members;
+  const Triangle one = mesh.triangle(first);
+  const Triangle other = mesh.triangle(second);
+  for (const auto& corners : {sortedCorners, cornersOf}) {  // the latter for turned duplicates
+    if (corners(one) != corners(other)) return lexicographicallyLess(corners(one), corners(other));
+  }
+  return first < second;
+}
+
+/// All triangles so that from here on "lexicographically smaller" is "comes first": dealt into as
+/// many slices along x as they are, then sorted slice by slice.
+std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns& centroids) {
+  const std::size_t count = mesh.triangleCount();
+  const auto [low, high] = std::minmax_element(centroids[0].begin(), centroids[0].end());
+  // Rounding is monotone: whoever has the smaller x is in no later slice.
+  const auto slice_of = [&, least = *low, width = *high - *low](std::size_t i) {
+    const double part = width > 0.0 ? (centroids[0][i] - least) / width : 0.0;
+    return std::min(static_cast<std::size_t>(part * static_cast<double>(count)), count - 1);
+  };
+  std::vector<std::uint32_t> ends(count + 1, 0);  // of the slices; until all are dealt, their next
+  for (std::size_t i = 0; i < count; ++i) ++ends[slice_of(i) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<TriangleId> triangles(count);
+  for (std::size_t i = 0; i < count; ++i)
+    triangles[ends[slice_of(i)]++] = static_cast<TriangleId>(i);
+  const auto at = [&](std::size_t place) {
+    return triangles.begin() + static_cast<std::ptrdiff_t>(place);
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& some) {
+    for (std::size_t slice = some.begin(); slice < some.end(); ++slice) {
+      tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
+                         [&](TriangleId first, TriangleId second) {
+                           return comesFirst(mesh, centroids, first, second);
+                         });
+    }
+  });
+  return triangles;
 }
 
 /// Twice what the rounding of centroids and tip, in single precision, makes of the difference of
@@ -118,10 +130,11 @@ class FarthestPairTree::Builder {
         spare_centroids_(columnsOf(mesh.triangleCount())),
         spare_triangles_(mesh.triangleCount()) {
     const Columns centroids = centroidsOf(mesh);
-    for (const auto& [x, triangle] : orderedMembers(mesh, centroids)) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
+    triangles_ = orderedTriangles(mesh, centroids);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      centroids_[axis].reserve(triangles_.size());
+      for (const TriangleId triangle : triangles_)
         centroids_[axis].push_back(centroids[axis][index(triangle)]);
-      triangles_.push_back(triangle);
     }
   }
 
@@ -153,7 +166,7 @@ class FarthestPairTree::Builder {
       const auto [set, depth] = pending.back();
       pending.pop_back();
       noteDepth(depth);
-      const std::uint32_t first_size = split(set);
+      const std::uint32_t first_size = set.size() == 2 ? splitTwo(set) : split(set);
       const Set first = {set.begin, set.begin + first_size, set.node + 1};
       const Set second = {set.begin + first_size, set.end, set.node + first_size};
       for (const Set& child : {second, first}) {
@@ -166,6 +179,14 @@ class FarthestPairTree::Builder {
         }
       }
     }
+  }
+
+  /// Nothing to measure.
+  std::uint32_t splitTwo(const Set& set) {
+    nodes_[set.node] = {{static_cast<Leaf>(index(triangles_[set.begin])),
+                         static_cast<Leaf>(index(triangles_[set.begin + 1]))},
+                        1};
+    return 1;
   }
 
   /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.

@@ -40,6 +40,7 @@ constexpr double kSumRounding = 0x1p-46;
 /// longer: benchmark/update_figures tells both.
 constexpr int kLevels = 3;
 
+constexpr std::size_t kNodeGrain = 16;      // so many to be turned are worth a task
 constexpr std::size_t kPacketGrain = 32;    // so many are worth a task
 constexpr std::size_t kVertexGrain = 4096;  // so many, too
 constexpr std::size_t kTasks = 32;          // are enough; larger ones read memory in longer runs
@@ -68,9 +69,13 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
 }
 
 Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame) {
+  constexpr std::uint32_t kGrain = 1024;  // leaves that are worth a task
   Points centroids(mesh.triangleCount());
-  for (std::uint32_t leaf = 0; leaf < centroids.size(); ++leaf)
-    centroids[leaf] = frame(centroid(mesh.triangle(tree.triangle(leaf))));
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree.root().end, kGrain),
+                    [&](const auto& some) {
+                      for (std::uint32_t leaf = some.begin(); leaf < some.end(); ++leaf)
+                        centroids[leaf] = frame(centroid(mesh.triangle(tree.triangle(leaf))));
+                    });
   return centroids;
 }
 
@@ -214,9 +219,14 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     addChildren(tree, collapse, self, sets);
     if (depths[self] > levels_.size()) levels_.push_back(self);
     depths.resize(nodes_.size(), depths[self] + 1);
-    store((kShorter * principalAxes(&centroids[sets[self].begin], sets[self].size())).cast<float>(),
-          nodes_[self].axes);
   }
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, nodes_.size(), kNodeGrain), [&](const auto& some) {
+        for (std::size_t self = some.begin(); self < some.end(); ++self) {
+          const Matrix3d axes = principalAxes(&centroids[sets[self].begin], sets[self].size());
+          store((kShorter * axes).cast<float>(), nodes_[self].axes);
+        }
+      });
   vertices_.resize(mesh.positions().size());
   nodes_.shrink_to_fit();
   packets_.shrink_to_fit();
