@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/collision_mesh.h"
 
 namespace organ_collision::bench {
