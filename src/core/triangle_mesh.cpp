@@ -23,7 +23,7 @@ bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordin
 
 /// Returns the positions' box.
 Box requireAllUsable(const Points& positions) {
-  if (positions.empty()) return Box();
+  if (positions.empty()) return {};
   const auto [low, high, finite] = boxOfPoints(positions.front().data(), positions.size());
   if (!finite || !std::all_of(low.begin(), low.end(), isUsable) ||
       !std::all_of(high.begin(), high.end(), isUsable)) {
@@ -77,7 +77,7 @@ Box TriangleMesh::setPositions(Points positions) {
     throw std::invalid_argument(std::to_string(positions.size()) + " positions given for " +
                                 std::to_string(positions_.size()) + " vertices");
   }
-  const Box box = requireAllUsable(positions);
+  Box box = requireAllUsable(positions);
   positions_ = std::move(positions);
   return box;
 }
