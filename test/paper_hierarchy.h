@@ -25,8 +25,10 @@ class PaperHierarchy {
 
   explicit PaperHierarchy(const core::TriangleMesh& mesh) : mesh_(mesh) {
     std::vector<core::TriangleId> all;
-    for (std::size_t i = 0; i < mesh.triangleCount(); ++i)
+    for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
       all.push_back(static_cast<core::TriangleId>(i));
+      centroids_.push_back(core::centroid(mesh.triangle(all.back())));
+    }
     root_ = split(all);
   }
 
@@ -46,7 +48,7 @@ class PaperHierarchy {
  private:
   static std::tuple<double, double, double> tuple(const Vector& v) { return {v.x(), v.y(), v.z()}; }
 
-  Vector centroid(core::TriangleId id) const { return core::centroid(mesh_.triangle(id)); }
+  const Vector& centroid(core::TriangleId id) const { return centroids_[core::index(id)]; }
 
   std::vector<std::tuple<double, double, double>> corners(core::TriangleId id) const {
     const core::Triangle t = mesh_.triangle(id);
@@ -66,8 +68,8 @@ class PaperHierarchy {
     double longest = 0.0;
     for (const core::TriangleId i : members) {
       for (const core::TriangleId j : members) {
-        const Vector p = centroid(i);
-        const Vector q = centroid(j);
+        const Vector& p = centroid(i);
+        const Vector& q = centroid(j);
         if (!(tuple(p) < tuple(q))) continue;
         const double length = core::squaredLength(q - p);
         const bool wins_tie = std::make_pair(tuple(p), tuple(q)) <
@@ -104,6 +106,7 @@ class PaperHierarchy {
   }
 
   const core::TriangleMesh& mesh_;
+  std::vector<Vector> centroids_;
   std::unique_ptr<Set> root_;
 };
 

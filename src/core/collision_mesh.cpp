@@ -61,7 +61,7 @@ bool CollisionMesh::isVolumeDoubtful() const {
 
 void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
-  if (isVolumeDoubtful()) tally = tallyOf(mesh_, *topology_, wide_tree_.frame());
+  if (isVolumeDoubtful()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
   tally.parted_corners = parted_corners_;
   health_ = healthOf(*topology_, box, tally);
 }

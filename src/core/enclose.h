@@ -2,7 +2,7 @@
 
 #include "core/bounds.h"
 #include "core/kernels.h"
-#include "core/lane_vector.h"
+#include "core/lane_triangles.h"
 
 // Boxes of wide nodes, for whichever vector unit includes it.
 //
@@ -50,18 +50,18 @@ struct Turn {
   }
 };
 
-inline Vector<float> vectorOf(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
-
 inline Turn turnOf(const WideNode& node) {
-  return {vectorOf(node.axes[0]), vectorOf(node.axes[1]), vectorOf(node.axes[2])};
+  return {vectorOf<float>(node.axes[0]), vectorOf<float>(node.axes[1]),
+          vectorOf<float>(node.axes[2])};
 }
 
 [[gnu::always_inline]] inline LaneBox boxOfCorners(const TrianglePacket& packet,
                                                    const Vector<float>& offset, const Turn& turn) {
-  const LaneVector<float> corner = load<float>(packet.corner) + everywhere(offset);
-  const LaneVector<float> a = turn(corner);
-  const LaneVector<float> b = turn(corner + load<float>(packet.edge1));
-  const LaneVector<float> c = turn(corner + load<float>(packet.edge2));
+  const auto [corner, ab, ac] = trianglesOf<float>(packet);
+  const LaneVector<float> moved = corner + everywhere(offset);
+  const LaneVector<float> a = turn(moved);
+  const LaneVector<float> b = turn(moved + ab);
+  const LaneVector<float> c = turn(moved + ac);
   return {{smaller(smaller(a.x, b.x), c.x), smaller(smaller(a.y, b.y), c.y),
            smaller(smaller(a.z, b.z), c.z)},
           {larger(larger(a.x, b.x), c.x), larger(larger(a.y, b.y), c.y),
@@ -87,7 +87,7 @@ inline LaneBox boxOfLanes(const WideNode& node, std::uint32_t first_lane,
 }
 
 inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& to) {
-  return vectorOf(to) - vectorOf(from.origin);
+  return vectorOf<float>(to) - vectorOf<float>(from.origin);
 }
 
 /// Adds the corners of a node's packets to a box in another's orientation.
@@ -150,10 +150,10 @@ inline void addBoxes(const PlainTree& tree, std::uint32_t self, SetBoxes& boxes)
     const NodePart& part = tree.parts[i];
     const WideNode& source = tree.nodes[part.node];
     const Vector<float> offset = offsetOf(node, source.origin);
-    boxes.add(part.lane,
-              boxOfLanes(source, part.first_lane,
-                         {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
-                         {vectorOf(part.turn[0]), vectorOf(part.turn[1]), vectorOf(part.turn[2])}));
+    boxes.add(part.lane, boxOfLanes(source, part.first_lane,
+                                    {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
+                                    {vectorOf<float>(part.turn[0]), vectorOf<float>(part.turn[1]),
+                                     vectorOf<float>(part.turn[2])}));
   }
 }
 

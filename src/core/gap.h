@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/lane_vector.h"
+#include "core/lane_triangles.h"
 #include "organ_collision/core/wide_node.h"
 
 // Gaps between a tip of several corners and boxes or triangles, eight at a time.
@@ -153,6 +153,41 @@ inline Truth<Real> isInside(const Foot<Lanes<Real>>& foot) {
          (foot.of_first + foot.of_second <= Lanes<Real>::all(1));
 }
 
+/// How far each of `ours` is kept from all of `theirs`, along a direction.
+template <class Real>
+inline Lanes<Real> gapsAlong(const Vector<Real>& way, const LaneTriangles<Real>& ours,
+                             const LaneTriangles<Real>& theirs) {
+  const LaneVector<Real> direction = everywhere(way);
+  return distanceOfGap(
+      Lanes<Real>::all(leastOf(theirs.nearestAlong(direction))) - ours.farthestAlong(direction),
+      Lanes<Real>::all(dot(way, way)));
+}
+
+/// Eight triangles, each along its own normal: there flat ones are as thick as rounding makes them.
+template <class Real>
+class LaneFaces {
+ public:
+  explicit LaneFaces(const LaneTriangles<Real>& triangles)
+      : normal_(cross(triangles.ab, triangles.ac)),
+        squared_normal_(dot(normal_, normal_)),
+        nearest_(triangles.nearestAlong(normal_)),
+        farthest_(triangles.farthestAlong(normal_)) {}
+
+  /// How far each is kept from a triangle, on either side.
+  Lanes<Real> gapsTo(const Vector<Real> (&tip)[3]) const {
+    const Lanes<Real> a = dot(normal_, everywhere(tip[0]));
+    const Lanes<Real> b = dot(normal_, everywhere(tip[1]));
+    const Lanes<Real> c = dot(normal_, everywhere(tip[2]));
+    const Lanes<Real> before = nearest_ - larger(larger(a, b), c);
+    const Lanes<Real> behind = smaller(smaller(a, b), c) - farthest_;
+    return distanceOfGap(larger(before, behind), squared_normal_);
+  }
+
+ private:
+  LaneVector<Real> normal_;
+  Lanes<Real> squared_normal_, nearest_, farthest_;
+};
+
 /// Between which distances the lanes' triangles are from a tip, but for rounding.
 template <class Real>
 struct Gap {
@@ -162,9 +197,7 @@ struct Gap {
 /// Of a tip of two or three corners, relative to the packet's origin.
 template <class Real, std::uint32_t kCorners>
 inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[kCorners], const TrianglePacket& packet) {
-  const LaneVector<Real> a = load<Real>(packet.corner);
-  const LaneVector<Real> ab = load<Real>(packet.edge1);
-  const LaneVector<Real> ac = load<Real>(packet.edge2);
+  const auto [a, ab, ac] = trianglesOf<Real>(packet);
   const LaneVector<Real> b = a + ab;
   const LaneVector<Real> c = a + ac;
   const LaneVector<Real> bc = ac - ab;

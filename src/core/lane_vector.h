@@ -35,6 +35,15 @@ inline Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+template <class Real, class Stored>
+inline Vector<Real> vectorOf(const std::array<Stored, 3>& v) {
+  return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
+}
+template <class Real>
+inline Vector<Real> laneOf(const LaneVector<Real>& v, std::uint32_t lane) {
+  return {v.x[lane], v.y[lane], v.z[lane]};
+}
+
 template <class Real>
 inline LaneVector<Real> load(const LanePoints& points) {
   return {Lanes<Real>::load(&points[0][0]), Lanes<Real>::load(&points[1][0]),

@@ -29,20 +29,13 @@ void HealthTally::subtract(const HealthTally& other) {
   rounding -= other.rounding;
 }
 
-HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology,
-                    const UnitFrame& frame) {
-  HealthTally tally;
+double volumeOf(const TriangleMesh& mesh, const UnitFrame& frame) {
+  double volume = 0.0;
   for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
     const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
-    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
-    const Eigen::Vector3d a = frame(triangle.a);
-    const Eigen::Vector3d b = frame(triangle.b);
-    const Eigen::Vector3d c = frame(triangle.c);
-    tally.volume += a.dot(b.cross(c));
-    tally.rounding += HealthTally::kVolumeRounding;
+    volume += frame(triangle.a).dot(frame(triangle.b).cross(frame(triangle.c)));
   }
-  tally.parted_corners = partedCorners(mesh, topology);
-  return tally;
+  return volume;
 }
 
 std::size_t partedCorners(TriangleId triangle, const TriangleMesh& mesh,
@@ -93,7 +86,14 @@ MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTa
 
 MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology) {
   const Box box = boxOf(mesh);
-  return healthOf(topology, box, tallyOf(mesh, topology, unitFrame(box)));
+  HealthTally tally;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
+    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
+  }
+  tally.parted_corners = partedCorners(mesh, topology);
+  tally.volume = volumeOf(mesh, unitFrame(box));
+  return healthOf(topology, box, tally);
 }
 
 std::vector<std::string> warnings(const MeshHealth& health) {

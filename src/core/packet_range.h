@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bounds.h"
+#include "core/lane_triangles.h"
 
 // The triangles of a packet: their boxes, and distances of points to them.
 namespace organ_collision::core {
@@ -10,9 +11,9 @@ namespace {
 template <class Real>
 inline void boxTriangles(const TrianglePacket& packet, LaneVector<Real>& low,
                          LaneVector<Real>& high) {
-  const LaneVector<Real> a = load<Real>(packet.corner);
-  const LaneVector<Real> b = a + load<Real>(packet.edge1);
-  const LaneVector<Real> c = a + load<Real>(packet.edge2);
+  const auto [a, ab, ac] = trianglesOf<Real>(packet);
+  const LaneVector<Real> b = a + ab;
+  const LaneVector<Real> c = a + ac;
   const auto least = [](const auto& x, const auto& y, const auto& z) {
     return smaller(smaller(x, y), z);
   };
@@ -45,9 +46,8 @@ struct Range {
 template <class Real>
 inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Real>& point,
                                    Real farthest) {
-  const LaneVector<Real> a = load<Real>(packet.corner) - everywhere(point);
-  const LaneVector<Real> ab = load<Real>(packet.edge1);
-  const LaneVector<Real> ac = load<Real>(packet.edge2);
+  const auto [corner, ab, ac] = trianglesOf<Real>(packet);
+  const LaneVector<Real> a = corner - everywhere(point);
   const LaneVector<Real> bc = ac - ab;
   const LaneVector<Real> b = a + ab;
   const Lanes<Real> abab = dot(ab, ab);

@@ -3,6 +3,7 @@
 #include "core/bounds.h"
 #include "core/candidates.h"
 #include "core/gap.h"
+#include "core/lane_boxes.h"
 #include "core/pair_search.h"
 #include "core/waiting.h"
 
@@ -15,90 +16,10 @@
 namespace organ_collision::core {
 namespace {
 
-template <class Real>
-inline Vector<Real> vectorOf(const std::array<double, 3>& v) {
-  return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
-}
-inline Vector<double> doublesOf(const std::array<float, 3>& v) {
-  return {double{v[0]}, double{v[1]}, double{v[2]}};
-}
-
 /// Some of the boxes of a node: all, or that of one packet.
 struct Boxes {
   const WideNode& node;
   std::uint32_t begin, end;  ///< lanes
-};
-
-template <class Real>
-inline Vector<Real> laneOf(const LaneVector<Real>& v, std::uint32_t lane) {
-  return {v.x[lane], v.y[lane], v.z[lane]};
-}
-
-template <class Real>
-struct LaneBoxes {
-  LaneVector<Real> low, high;
-
-  Lanes<Real> squaredDistanceTo(const LaneBoxes& others, std::uint32_t lane) const {
-    return squaredDistanceOf(low, high, laneOf(others.low, lane), laneOf(others.high, lane));
-  }
-};
-template <class Real>
-inline LaneBoxes<Real> boxesOf(const WideNode& node) {
-  return {load<Real>(node.low), load<Real>(node.high)};
-}
-
-/// From one node's axes and origin to another's.
-template <class Real>
-struct Placement {
-  std::array<Vector<Real>, 3> rows;
-  Vector<Real> offset;
-
-  Placement(const WideNode& from, const AffineMap& map, const WideNode& to) {
-    const Vector<double> axes[3] = {doublesOf(from.axes[0]), doublesOf(from.axes[1]),
-                                    doublesOf(from.axes[2])};
-    const Vector<double> origin = doublesOf(from.origin);
-    // Axes are a trifle shorter than 1.
-    const double inverse = 1.0 / dot(axes[0], axes[0]);
-    Vector<double> columns[3];  // of the map, along the axes of `from`
-    double moved[3];
-    for (int row = 0; row < 3; ++row) {
-      const Vector<double> linear = {map.linear[row][0], map.linear[row][1], map.linear[row][2]};
-      columns[row] = inverse * Vector<double>{dot(linear, axes[0]), dot(linear, axes[1]),
-                                              dot(linear, axes[2])};
-      moved[row] = dot(linear, origin) + map.offset[row];
-    }
-    const Vector<double> between =
-        Vector<double>{moved[0], moved[1], moved[2]} - doublesOf(to.origin);
-    for (int row = 0; row < 3; ++row) {
-      const Vector<double> axis = doublesOf(to.axes[row]);
-      const Vector<double> turned = axis.x * columns[0] + axis.y * columns[1] + axis.z * columns[2];
-      rows[row] = {static_cast<Real>(turned.x), static_cast<Real>(turned.y),
-                   static_cast<Real>(turned.z)};
-    }
-    offset = {static_cast<Real>(dot(doublesOf(to.axes[0]), between)),
-              static_cast<Real>(dot(doublesOf(to.axes[1]), between)),
-              static_cast<Real>(dot(doublesOf(to.axes[2]), between))};
-  }
-
-  LaneVector<Real> turned(const LaneVector<Real>& v) const {
-    return {dot(everywhere(rows[0]), v), dot(everywhere(rows[1]), v), dot(everywhere(rows[2]), v)};
-  }
-  LaneVector<Real> operator()(const LaneVector<Real>& v) const {
-    return everywhere(offset) + turned(v);
-  }
-  /// Boxes around the moved boxes.
-  LaneBoxes<Real> operator()(const LaneBoxes<Real>& boxes) const {
-    const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
-    const LaneVector<Real> middle = (*this)(half * (boxes.low + boxes.high));
-    const LaneVector<Real> size = half * (boxes.high - boxes.low);
-    const auto reach = [&size](const Vector<Real>& row) {
-      return dot(
-          everywhere(Vector<Real>{magnitudeOf(row.x), magnitudeOf(row.y), magnitudeOf(row.z)}),
-          size);
-    };
-    const LaneVector<Real> reaches = {reach(rows[0]), reach(rows[1]), reach(rows[2])};
-    return {middle - reaches, middle + reaches};
-  }
 };
 
 /// A node or a packet of one of the surfaces.
@@ -129,80 +50,6 @@ class OpenSet {
   const SearchedTree& tree_;
   std::uint32_t number_;
   bool is_packet_;
-};
-
-template <class Real>
-inline Real meanOf(const Lanes<Real>& lanes) {
-  Real values[kLanes];
-  lanes.store(values);
-  for (int half = kLanes / 2; half > 0; half /= 2)
-    for (int i = 0; i < half; ++i) values[i] += values[i + half];
-  return values[0] / kLanes;
-}
-
-/// Eight triangles.
-template <class Real>
-struct LaneTriangles {
-  LaneVector<Real> a, ab, ac;
-
-  Vector<Real> middle() const {
-    const LaneVector<Real> middles = a + Lanes<Real>::all(Real{1} / 3) * (ab + ac);
-    return {meanOf(middles.x), meanOf(middles.y), meanOf(middles.z)};
-  }
-  /// About; on the side of `direction`.
-  Vector<Real> normalTowards(const Vector<Real>& direction) const {
-    const LaneVector<Real> normals = cross(ab, ac);
-    const Vector<Real> normal = {meanOf(normals.x), meanOf(normals.y), meanOf(normals.z)};
-    return dot(normal, direction) < 0 ? Vector<Real>{} - normal : normal;
-  }
-  /// How far each reaches along a direction, and how near.
-  Lanes<Real> farthestAlong(const LaneVector<Real>& direction) const {
-    return dot(direction, a) +
-           larger(larger(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
-  }
-  Lanes<Real> nearestAlong(const LaneVector<Real>& direction) const {
-    return dot(direction, a) +
-           smaller(smaller(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
-  }
-};
-template <class Real>
-inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
-  return {load<Real>(packet.corner), load<Real>(packet.edge1), load<Real>(packet.edge2)};
-}
-
-/// How far each of `ours` is kept from all of `theirs`, along a direction.
-template <class Real>
-inline Lanes<Real> gapsAlong(const Vector<Real>& way, const LaneTriangles<Real>& ours,
-                             const LaneTriangles<Real>& theirs) {
-  const LaneVector<Real> direction = everywhere(way);
-  return distanceOfGap(
-      Lanes<Real>::all(leastOf(theirs.nearestAlong(direction))) - ours.farthestAlong(direction),
-      Lanes<Real>::all(dot(way, way)));
-}
-
-/// Eight triangles, each along its own normal: there flat ones are as thick as rounding makes them.
-template <class Real>
-class LaneFaces {
- public:
-  explicit LaneFaces(const LaneTriangles<Real>& triangles)
-      : normal_(cross(triangles.ab, triangles.ac)),
-        squared_normal_(dot(normal_, normal_)),
-        nearest_(triangles.nearestAlong(normal_)),
-        farthest_(triangles.farthestAlong(normal_)) {}
-
-  /// How far each is kept from a triangle, on either side.
-  Lanes<Real> gapsTo(const Vector<Real> (&tip)[3]) const {
-    const Lanes<Real> a = dot(normal_, everywhere(tip[0]));
-    const Lanes<Real> b = dot(normal_, everywhere(tip[1]));
-    const Lanes<Real> c = dot(normal_, everywhere(tip[2]));
-    const Lanes<Real> before = nearest_ - larger(larger(a, b), c);
-    const Lanes<Real> behind = smaller(smaller(a, b), c) - farthest_;
-    return distanceOfGap(larger(before, behind), squared_normal_);
-  }
-
- private:
-  LaneVector<Real> normal_;
-  Lanes<Real> squared_normal_, nearest_, farthest_;
 };
 
 /// Triangles that may be the nearest two and wait to be measured.
@@ -417,7 +264,7 @@ class PairWalk {
     const AffineMap& map = search_.second_from_first;
     const auto coordinate = [&](int i) {
       const Vector<double> row = {map.linear[i][0], map.linear[i][1], map.linear[i][2]};
-      return static_cast<Real>(dot(row, doublesOf(first.origin)) + map.offset[i] -
+      return static_cast<Real>(dot(row, vectorOf<double>(first.origin)) + map.offset[i] -
                                double{second.origin[i]});
     };
     return {coordinate(0), coordinate(1), coordinate(2)};

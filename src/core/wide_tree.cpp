@@ -10,8 +10,8 @@
 #include <bitset>
 #include <climits>
 #include <cmath>
-#include <limits>
 
+#include "core/collapse.h"
 #include "core/kernels.h"
 #include "organ_collision/core/predicates.h"
 
@@ -80,130 +80,6 @@ Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }
 
 }  // namespace
-
-/// Which sets of the hierarchy become nodes and packets, so that the expected cost of a search is
-/// least: a set is visited as often as the square of its reach, and the tip's, tells; a visit costs
-/// the same for every node and a little more for a packet. Source: H. Ylitie, T. Karras, S. Laine,
-/// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs" (2017), section 4.1.
-class WideTree::Collapse {
- public:
-  Collapse(const FarthestPairTree& tree, const Points& centroids)
-      : tree_(tree), costs_(centroids.size() - 1) {
-    std::vector<Set> sets;
-    std::vector<Set> pending = {tree.root()};
-    while (!pending.empty()) {
-      const Set set = pending.back();
-      pending.pop_back();
-      if (set.isLeaf()) continue;
-      sets.push_back(set);
-      for (const Set& child : tree.children(set)) pending.push_back(child);
-    }
-    for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
-  }
-
-  struct Leaves {
-    Leaf begin, end;
-  };
-  /// Of a set that becomes a node.
-  struct Parts {
-    std::vector<Set> nodes;
-    std::vector<Leaves> packets;
-
-    /// Neighbours share a packet if there is room.
-    void addPacket(const Set& set) {
-      if (!packets.empty() && packets.back().end == set.begin &&
-          set.end - packets.back().begin <= kLaneCount) {
-        packets.back().end = set.end;
-      } else {
-        packets.push_back({set.begin, set.end});
-      }
-    }
-  };
-
-  Parts partsOf(const Set& whole) const {
-    Parts parts;
-    if (isPacket(whole)) {
-      parts.addPacket(whole);
-      return parts;
-    }
-    std::vector<std::pair<Set, std::uint32_t>> pending = {{whole, kLaneCount}};
-    bool first = true;
-    while (!pending.empty()) {
-      const auto [set, slots] = pending.back();
-      pending.pop_back();
-      const std::uint32_t used = set.isLeaf() ? 1 : costs_[set.node].slots[slots - 1];
-      if (!first && used == 1) {
-        if (isPacket(set)) {
-          parts.addPacket(set);
-        } else {
-          parts.nodes.push_back(set);
-        }
-        continue;
-      }
-      const auto [one, other] = tree_.children(set);
-      const std::uint32_t total = first ? kLaneCount : used;
-      const std::uint32_t for_first = costs_[set.node].first_slots[total - 1];
-      pending.emplace_back(other, total - for_first);
-      pending.emplace_back(one, for_first);
-      first = false;
-    }
-    return parts;
-  }
-
- private:
-  static constexpr float kPacketCost = 1.3F;
-  static constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
-
-  struct Costs {
-    std::array<float, kLaneCount> cost;                // of the set in up to 1, 2, ... 8 lanes
-    std::array<std::uint8_t, kLaneCount> slots;        // that it then takes
-    std::array<std::uint8_t, kLaneCount> first_slots;  // of them, its first child's, if 2 or more
-    float weight;
-    bool is_packet;
-  };
-
-  bool isPacket(const Set& set) const {
-    return set.isLeaf() || (set.size() <= kLaneCount && costs_[set.node].is_packet);
-  }
-
-  float costOf(const Set& set, std::uint32_t slots, float weight) const {
-    return set.isLeaf() ? kPacketCost * weight : costs_[set.node].cost[slots - 1];
-  }
-
-  void weigh(const Set& set, const Points& centroids) {
-    Costs& costs = costs_[set.node];
-    const auto [a, b] = tree_.poles(set);
-    const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
-    costs.weight = static_cast<float>(visited * visited);
-    const auto [one, other] = tree_.children(set);
-    std::array<float, kLaneCount> divided;
-    for (std::uint32_t slots = 2; slots <= kLaneCount; ++slots) {
-      divided[slots - 1] = std::numeric_limits<float>::infinity();
-      for (std::uint32_t first = 1; first < slots; ++first) {
-        const float cost =
-            costOf(one, first, costs.weight) + costOf(other, slots - first, costs.weight);
-        if (cost < divided[slots - 1]) {
-          divided[slots - 1] = cost;
-          costs.first_slots[slots - 1] = static_cast<std::uint8_t>(first);
-        }
-      }
-    }
-    const float as_node = costs.weight + divided[kLaneCount - 1];
-    const float as_packet = set.size() <= kLaneCount ? kPacketCost * costs.weight
-                                                     : std::numeric_limits<float>::infinity();
-    costs.is_packet = as_packet <= as_node;
-    costs.cost[0] = std::min(as_node, as_packet);
-    costs.slots[0] = 1;
-    for (std::uint32_t slots = 2; slots <= kLaneCount; ++slots) {
-      const bool divide = divided[slots - 1] < costs.cost[slots - 2];
-      costs.cost[slots - 1] = divide ? divided[slots - 1] : costs.cost[slots - 2];
-      costs.slots[slots - 1] = divide ? static_cast<std::uint8_t>(slots) : costs.slots[slots - 2];
-    }
-  }
-
-  const FarthestPairTree& tree_;
-  std::vector<Costs> costs_;  // of the hierarchy's nodes
-};
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
     : places_(mesh.triangleCount()) {

@@ -8,10 +8,13 @@
 #include "brute_force.h"
 #include "every_vector_unit.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organs_and_tips.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
 namespace {
+
+using test::queryCount;
 
 Points twisted(const Points& points, double turns_per_metre) {
   Points result = points;
@@ -28,7 +31,7 @@ Points flattened(const Points& points) {
 }
 
 void expectBruteForce(const CollisionMesh& organ, std::mt19937& generator) {
-  for (int i = 0; i < 500; ++i) {
+  for (std::size_t i = 0; i < queryCount(500); ++i) {
     const Eigen::Vector3d tip = test::randomPoint(generator, 0.2);
     const NearestTriangle nearest = nearestTriangle(organ, tip);
     ASSERT_EQ(std::abs(nearest.distance),
@@ -56,7 +59,7 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
   const double sizes[] = {0.001, 0.02, 0.3};  // [m] the last is beyond the box
   for (const TriangleMesh& mesh : {test::blob(4), test::grid(20, 20), test::soup(300, 3)}) {
     CollisionMesh organ(mesh);
-    for (int round = 0; round < 60; ++round) {
+    for (std::size_t round = 0; round < queryCount(60); ++round) {
       Points all = organ.mesh().positions();
       std::vector<VertexId> moved;
       Points positions;
@@ -74,7 +77,7 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
       EXPECT_EQ(organ.health().degenerate_triangles, expected.degenerate_triangles);
       EXPECT_EQ(organ.health().closed, expected.closed);
       EXPECT_EQ(organ.health().inverted, expected.inverted);
-      for (int i = 0; i < 60; ++i) {
+      for (std::size_t i = 0; i < queryCount(60); ++i) {
         const Eigen::Vector3d tip =
             i % 2 == 0 ? all[generator() % all.size()]
                        : Eigen::Vector3d(positions[0] + test::randomPoint(generator, 0.1));

@@ -101,7 +101,7 @@ double truth(const CollisionMesh& first, const Isometry3d& pose, const Collision
   return inside ? -std::sqrt(least) : std::sqrt(least);
 }
 
-/// Calls `check(first, pose, second, truth)` for random placements of all surfaces.
+/// Calls `check(first, pose, second)` for random placements of all surfaces.
 template <class Check>
 void forEachPlacement(unsigned seed, std::size_t count, const Check& check) {
   std::mt19937 generator(seed);
@@ -109,7 +109,7 @@ void forEachPlacement(unsigned seed, std::size_t count, const Check& check) {
     for (const CollisionMesh& second : surfaces()) {
       for (std::size_t i = 0; i < count && !testing::Test::HasFailure(); ++i) {
         const Isometry3d pose = randomPlacement(generator, first, second);
-        check(first, pose, second, truth(first, pose, second));
+        check(first, pose, second);
       }
     }
   }
@@ -118,52 +118,53 @@ void forEachPlacement(unsigned seed, std::size_t count, const Check& check) {
 TEST(NearestPair, EqualsBruteForceBitForBit) {
   std::size_t meeting = 0;
   std::size_t inside = 0;
-  forEachPlacement(75, queryCount(12),
-                   [&](const CollisionMesh& first, const Isometry3d& pose,
-                       const CollisionMesh& second, double expected) {
-                     const NearestTriangle nearest = nearestPair(first, pose, second).nearest;
-                     ASSERT_EQ(nearest.distance, expected);
-                     ASSERT_TRUE(nearest.isExact());
-                     meeting += expected == 0.0 ? 1 : 0;
-                     inside += expected < 0.0 ? 1 : 0;
-                   });
+  forEachPlacement(
+      75, queryCount(12),
+      [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+        const double expected = truth(first, pose, second);
+        const NearestTriangle nearest = nearestPair(first, pose, second).nearest;
+        ASSERT_EQ(nearest.distance, expected);
+        ASSERT_TRUE(nearest.isExact());
+        meeting += expected == 0.0 ? 1 : 0;
+        inside += expected < 0.0 ? 1 : 0;
+      });
   EXPECT_GT(meeting, 0U);
   EXPECT_GT(inside, 0U);
 }
 
 TEST(NearestPair, BoundsHoldTheTruthAtEverySetting) {
   const std::vector<Accuracy> settings = {{0, 0, 1}, {0.1, 0, 0}, {0, 1e-2, 0}, {0.05, 1e-3, 16}};
-  forEachPlacement(76, queryCount(5),
-                   [&](const CollisionMesh& first, const Isometry3d& pose,
-                       const CollisionMesh& second, double exact) {
-                     for (const Accuracy& accuracy : settings) {
-                       const NearestTriangle nearest =
-                           nearestPair(first, pose, second, accuracy).nearest;
-                       const double expected = nearest.distance_signed ? exact : std::abs(exact);
-                       const double slack = test::rounding(second, pose.translation()) +
-                                            test::rounding(first, {0, 0, 0});
-                       ASSERT_LE(nearest.lower_bound, expected + slack);
-                       ASSERT_GE(nearest.upper_bound, expected - slack);
-                       if (accuracy.max_leaves != 0) continue;
-                       ASSERT_LE(std::abs(nearest.distance),
-                                 std::max((1 + accuracy.max_relative_error) * std::abs(exact),
-                                          std::abs(exact) + accuracy.max_absolute_error) +
-                                     slack);
-                     }
-                   });
+  forEachPlacement(
+      76, queryCount(5),
+      [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+        const double exact = truth(first, pose, second);
+        for (const Accuracy& accuracy : settings) {
+          const NearestTriangle nearest = nearestPair(first, pose, second, accuracy).nearest;
+          const double expected = nearest.distance_signed ? exact : std::abs(exact);
+          const double slack =
+              test::rounding(second, pose.translation()) + test::rounding(first, {0, 0, 0});
+          ASSERT_LE(nearest.lower_bound, expected + slack);
+          ASSERT_GE(nearest.upper_bound, expected - slack);
+          if (accuracy.max_leaves != 0) continue;
+          ASSERT_LE(std::abs(nearest.distance),
+                    std::max((1 + accuracy.max_relative_error) * std::abs(exact),
+                             std::abs(exact) + accuracy.max_absolute_error) +
+                        slack);
+        }
+      });
 }
 
 TEST(NearestPair, SwappedHasTheSameDistance) {
-  forEachPlacement(77, queryCount(5),
-                   [&](const CollisionMesh& first, const Isometry3d& pose,
-                       const CollisionMesh& second, double exact) {
-                     constexpr double kRoundings = 16;  // of the coordinates in two frames
-                     const double slack =
-                         kRoundings * (test::rounding(second, pose.translation()) +
-                                       test::rounding(first, pose.inverse().translation()));
-                     const NearestPair swapped = nearestPair(second, pose.inverse(), first);
-                     ASSERT_NEAR(swapped.nearest.distance, exact, slack);
-                   });
+  forEachPlacement(
+      77, queryCount(5),
+      [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+        const double exact = truth(first, pose, second);
+        constexpr double kRoundings = 16;  // of the coordinates in two frames
+        const double slack = kRoundings * (test::rounding(second, pose.translation()) +
+                                           test::rounding(first, pose.inverse().translation()));
+        const NearestPair swapped = nearestPair(second, pose.inverse(), first);
+        ASSERT_NEAR(swapped.nearest.distance, exact, slack);
+      });
 }
 
 TEST(NearestPair, MovingBothChangesNothingButRounding) {
@@ -258,19 +259,19 @@ TEST(NearestPair, OfParallelSurfacesEqualsBruteForceBitForBit) {
 
 TEST(NearestPair, IsTheSameOnEveryVectorUnit) {
   const VectorUnit usual = vectorUnit();
-  forEachPlacement(81, queryCount(5),
-                   [&](const CollisionMesh& first, const Isometry3d& pose,
-                       const CollisionMesh& second, double /*truth*/) {
-                     useVectorUnit(VectorUnit::kBaseline);
-                     const NearestPair expected = nearestPair(first, pose, second, {0.1, 0, 0});
-                     for (const VectorUnit unit : availableVectorUnits()) {
-                       useVectorUnit(unit);
-                       const NearestPair found = nearestPair(first, pose, second, {0.1, 0, 0});
-                       ASSERT_EQ(found.triangle_of_first, expected.triangle_of_first);
-                       ASSERT_EQ(found.nearest.triangle, expected.nearest.triangle);
-                       ASSERT_EQ(found.nearest.lower_bound, expected.nearest.lower_bound);
-                     }
-                   });
+  forEachPlacement(
+      81, queryCount(5),
+      [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+        useVectorUnit(VectorUnit::kBaseline);
+        const NearestPair expected = nearestPair(first, pose, second, {0.1, 0, 0});
+        for (const VectorUnit unit : availableVectorUnits()) {
+          useVectorUnit(unit);
+          const NearestPair found = nearestPair(first, pose, second, {0.1, 0, 0});
+          ASSERT_EQ(found.triangle_of_first, expected.triangle_of_first);
+          ASSERT_EQ(found.nearest.triangle, expected.nearest.triangle);
+          ASSERT_EQ(found.nearest.lower_bound, expected.nearest.lower_bound);
+        }
+      });
   useVectorUnit(usual);
 }
 

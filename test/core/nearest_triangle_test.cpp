@@ -57,7 +57,7 @@ TEST_P(NearestTriangleOf, PointTipsEqualsBruteForceBitForBit) {
 TEST_P(NearestTriangleOf, TriangleTipsEqualsBruteForceBitForBit) {
   std::mt19937 generator(12);
   for (const CollisionMesh& organ : organs()) {
-    for (int i = 0; i < 200; ++i) {
+    for (std::size_t i = 0; i < queryCount(200); ++i) {
       const Triangle tip = randomTriangle(generator, organ);
       const NearestTriangle nearest = nearestTriangle(organ, tip);
       ASSERT_EQ(std::abs(nearest.distance),

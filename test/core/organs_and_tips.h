@@ -66,10 +66,12 @@ inline double rounding(const core::CollisionMesh& organ, const Eigen::Vector3d& 
 }
 
 /// How many queries a test makes: TEST_QUERIES in the environment (scripts/soak asks for many),
-/// else `usual`.
+/// else `usual`, but no more than TEST_MOST_QUERIES (sanitized they take long).
 inline std::size_t queryCount(std::size_t usual) {
-  const char* wanted = std::getenv("TEST_QUERIES");
-  return wanted == nullptr ? usual : std::stoul(wanted);
+  const char* const wanted = std::getenv("TEST_QUERIES");
+  const char* const most = std::getenv("TEST_MOST_QUERIES");
+  const std::size_t count = wanted == nullptr ? usual : std::stoul(wanted);
+  return most == nullptr ? count : std::min<std::size_t>(count, std::stoul(most));
 }
 
 }  // namespace organ_collision::test

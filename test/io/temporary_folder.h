@@ -13,7 +13,8 @@ namespace organ_collision::io {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "organ_collision_XXXXXX").string();
+    std::string name = std::filesystem::temp_directory_path() / "organ_collision_";
+    name.append(6, 'X');  // for mkdtemp to replace
     if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
     path_ = std::filesystem::canonical(name);
   }

@@ -29,18 +29,14 @@ struct HealthTally {
   std::size_t degenerate_triangles = 0;
   std::size_t parted_corners = 0;  ///< that are no longer where their weld is
   double volume = 0.0;             ///< six times, in the unit frame
-  double rounding = 0.0;           ///< of the volume
-
-  /// Of a triangle's volume, and of adding it to those of 1e9 others: six products of three
-  /// coordinates below 4, each rounded some times.
-  static constexpr double kVolumeRounding = 0x1p-49 * 4 * 4 * 4;
+  double rounding = 0.0;           ///< what it may have made of the volume
 
   void add(const HealthTally& other);
   void subtract(const HealthTally& other);
 };
 
-/// Of all triangles. O(n).
-HealthTally tallyOf(const TriangleMesh& mesh, const MeshTopology& topology, const UnitFrame& frame);
+/// Six times, in the unit frame. O(n).
+double volumeOf(const TriangleMesh& mesh, const UnitFrame& frame);
 /// Corners of some triangles that are no longer where their weld is.
 std::size_t partedCorners(const std::vector<TriangleId>& triangles, const TriangleMesh& mesh,
                           const MeshTopology& topology);

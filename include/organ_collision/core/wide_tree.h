@@ -14,6 +14,7 @@
 
 namespace organ_collision::core {
 
+class Collapse;
 enum class Fit : std::uint8_t;
 
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
@@ -65,7 +66,6 @@ class WideTree {
   std::size_t searchMemory() const;  ///< [bytes] of them, what searches read: refits need the rest
 
  private:
-  class Collapse;
   struct Range {
     std::uint32_t begin, end;
   };

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/wide_node.h"
+
+namespace organ_collision::core {
+
+/// Which sets of the hierarchy become wide nodes and packets, so that the expected cost of a search
+/// is least: a set is visited as often as the square of its reach, and the tip's, tells; a visit
+/// costs the same for every node and a little more for a packet. Source: H. Ylitie, T. Karras,
+/// S. Laine, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs" (2017),
+/// section 4.1.
+class Collapse {
+ public:
+  using Leaf = FarthestPairTree::Leaf;
+  using Set = FarthestPairTree::Set;
+
+  /// `centroids` of the leaves, in the unit frame. O(n).
+  Collapse(const FarthestPairTree& tree, const Points& centroids);
+
+  struct Leaves {
+    Leaf begin, end;
+  };
+  /// Of a set that becomes a node.
+  struct Parts {
+    std::vector<Set> nodes;
+    std::vector<Leaves> packets;
+
+    void addPacket(const Set& set);
+  };
+  Parts partsOf(const Set& whole) const;
+
+ private:
+  struct Costs {
+    std::array<float, kLaneCount> cost;                // of the set in up to 1, 2, ... 8 lanes
+    std::array<std::uint8_t, kLaneCount> slots;        // that it then takes
+    std::array<std::uint8_t, kLaneCount> first_slots;  // of them, its first child's, if 2 or more
+    float weight;
+    bool is_packet;
+  };
+
+  bool isPacket(const Set& set) const;
+  float costOf(const Set& set, std::uint32_t slots, float weight) const;
+  void weigh(const Set& set, const Points& centroids);
+
+  const FarthestPairTree& tree_;
+  std::vector<Costs> costs_;  // of the hierarchy's nodes
+};
+
+}  // namespace organ_collision::core

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/lane_vector.h"
+
+// The triangles of a packet, eight at a time.
+namespace organ_collision::core {
+namespace {
+
+template <class Real>
+inline Real meanOf(const Lanes<Real>& lanes) {
+  Real values[kLanes];
+  lanes.store(values);
+  for (int half = kLanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) values[i] += values[i + half];
+  return values[0] / kLanes;
+}
+
+/// Eight triangles: a corner of each, and two edges from there.
+template <class Real>
+struct LaneTriangles {
+  LaneVector<Real> a, ab, ac;
+
+  Vector<Real> middle() const {
+    const LaneVector<Real> middles = a + Lanes<Real>::all(Real{1} / 3) * (ab + ac);
+    return {meanOf(middles.x), meanOf(middles.y), meanOf(middles.z)};
+  }
+  /// About; on the side of `direction`.
+  Vector<Real> normalTowards(const Vector<Real>& direction) const {
+    const LaneVector<Real> normals = cross(ab, ac);
+    const Vector<Real> normal = {meanOf(normals.x), meanOf(normals.y), meanOf(normals.z)};
+    return dot(normal, direction) < 0 ? Vector<Real>{} - normal : normal;
+  }
+  /// How far each reaches along a direction, and how near.
+  Lanes<Real> farthestAlong(const LaneVector<Real>& direction) const {
+    return dot(direction, a) +
+           larger(larger(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
+  }
+  Lanes<Real> nearestAlong(const LaneVector<Real>& direction) const {
+    return dot(direction, a) +
+           smaller(smaller(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
+  }
+};
+/// Relative to the packet's origin.
+template <class Real>
+inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
+  return {load<Real>(packet.corner), load<Real>(packet.edge1), load<Real>(packet.edge2)};
+}
+
+}  // namespace
+}  // namespace organ_collision::core
