@@ -30,10 +30,9 @@ constexpr float kTiny = 0x1p-26F;
 /// Rounding a place to single precision moves it by less, as no coordinate is above 2.
 constexpr float kPlaceRounding = 0x1p-23F;
 
-template <class Real>
-inline Real magnitudeOf(Real x) {
-  return x < 0 ? -x : x;
-}
+/// Without a branch, which the sign of a coordinate would often mislead.
+inline float magnitudeOf(float x) { return __builtin_fabsf(x); }
+inline double magnitudeOf(double x) { return __builtin_fabs(x); }
 
 /// A corner of the tip, relative to an origin.
 template <class Real>

@@ -44,7 +44,7 @@ struct Turn {
   }
   Turn magnitudes() const {
     const auto magnitude = [](const Vector<float>& v) {
-      return Vector<float>{v.x < 0 ? -v.x : v.x, v.y < 0 ? -v.y : v.y, v.z < 0 ? -v.z : v.z};
+      return Vector<float>{magnitudeOf(v.x), magnitudeOf(v.y), magnitudeOf(v.z)};
     };
     return {magnitude(x), magnitude(y), magnitude(z)};
   }
@@ -76,6 +76,7 @@ inline LaneBox boxOfLanes(const WideNode& node, std::uint32_t first_lane,
   const Lanes<float> half = Lanes<float>::all(0.5F);
   const LaneVector<float> middle = everywhere(offset) + turn(half * (low + high));
   const LaneVector<float> reach = turn.magnitudes()(half * (high - low));
+  if (first_lane == 0) return {middle - reach, middle + reach};
   const Truth<float> is_meant =
       Lanes<float>::all(static_cast<float>(first_lane)) <= Lanes<float>::numbers();
   const Lanes<float> most = Lanes<float>::all(__builtin_huge_valf());
