@@ -1,0 +1,236 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "mesh_writers.h"
+
+namespace organ_collision::io {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// What is particular to each.
+class MeshFormats : public MeshIo {};
+
+// ---- obj
+
+TEST_F(MeshFormats, ReadsEveryWayToNameACornerInObj) {
+  const core::TriangleMesh mesh = load("m.obj",
+                                       "f 1 2 3\n"  // names what comes later
+                                       "v 0 0 0\r\nv +1 0 0 1.0\n\tv 0 1e0 0 0.5 0.5 0.5\r\n"
+                                       "vt 0 0\nvn 0 0 1\ng a\n"
+                                       "f 1/1 2/1 3/1\nusemtl m\nf 1/1/1 2/1/1 3/1/1 # round\n"
+                                       "g b\nf 1//1 2//1 3//1\ns off\nf -3 -2 -1\n"
+                                       "v 5 5 5\nf -4/-1/-1 -3/-1/-1 -2/-1/-1");
+  EXPECT_EQ(mesh.positions(), core::Points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}}));
+  EXPECT_EQ(facesOf(mesh), Faces(6, {0, 1, 2}));
+}
+
+TEST_F(MeshFormats, RoundsDecimalsCorrectly) {
+  const core::TriangleMesh mesh =
+      load("m.obj", "v 0.3 0.1234567890123456789 -1e-5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(mesh.positions()[0], Eigen::Vector3d(0.3, 0.1234567890123456789, -1e-5));
+}
+
+TEST_F(MeshFormats, RefusesABadVertexWithItsNumber) {
+  const auto with = [&](const std::string& coordinate) {
+    return refusal("m.obj", "v 0 0 0\nv 1 0 0\nv 0 " + coordinate + " 0\nf 1 2 3\n");
+  };
+  EXPECT_EQ(with("1"), "");
+  for (const char* const word :
+       {"nan", "-nan", "inf", "-inf", "NaN", "Infinity", "1e39", "-1e39"}) {
+    EXPECT_THAT(with(word), AllOf(HasSubstr("m.obj'"), HasSubstr("vertex 2 is at (0, "),
+                                  HasSubstr("32-bit float")))
+        << word;
+  }
+  for (const char* const word : {"abc", "1.0x", "0x10", "1,5", "1e400", "--1", "+-1", "1e"}) {
+    EXPECT_THAT(with(word), HasSubstr("line 3: '" + std::string(word) + "' is not a number"));
+  }
+  EXPECT_THAT(refusal("m.obj", "v 0 0\n"), HasSubstr("line 1: it has 3 words, but 4 or more"));
+}
+
+TEST_F(MeshFormats, RefusesABadFaceOfObj) {
+  const auto with = [&](const std::string& corners) {
+    return refusal("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf " + corners + "\n");
+  };
+  EXPECT_EQ(with("1 2 3"), "");
+  EXPECT_THAT(with("1 2 4"), HasSubstr("triangle 1 names vertex 3 of 3"));
+  EXPECT_THAT(with("1 2 0"), HasSubstr("line 5: a face names vertex 0, when there are 3 so far"));
+  EXPECT_THAT(with("1 2 -4"), HasSubstr("line 5: a face names vertex -4"));
+  EXPECT_THAT(with("1 2 4294967297"), HasSubstr("line 5: a face names vertex 4294967297"));
+  EXPECT_THAT(with("1 2 1x"), HasSubstr("line 5: '1x' is not an integer"));
+  EXPECT_THAT(with("1 2 99999999999999999999"), HasSubstr("is not an integer"));
+  EXPECT_THAT(with("1 2 1.5"), HasSubstr("is not an integer"));
+  EXPECT_THAT(with("1 2 /1"), HasSubstr("is not an integer"));
+  EXPECT_THAT(with("1 2"), HasSubstr("has 2 corners"));
+  EXPECT_THAT(with(""), HasSubstr("has 0 corners"));
+}
+
+TEST_F(MeshFormats, RefusesAnUnknownKeywordOfObjBecauseItMayBeABrokenVertex) {
+  EXPECT_THAT(refusal("m.obj", "v 0 0 0\nvv 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+              HasSubstr("line 2: it begins with no keyword of obj"));
+}
+
+TEST_F(MeshFormats, RefusesAMeshWithoutTriangles) {
+  EXPECT_THAT(refusal("m.obj", "v 0 0 0\n"), HasSubstr("m.obj': the mesh has no triangle"));
+  EXPECT_THAT(refusal("m.off", "OFF 1 0 0\n0 0 0\n"), HasSubstr("the mesh has no triangle"));
+}
+
+// ---- polygons
+
+TEST_F(MeshFormats, TurnsAPolygonIntoAFanInItsPlace) {
+  const Shape polygons = {{{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 1, 0}, {0, 0, 1}},
+                          {{5, 0, 1}, {4, 3, 2, 1, 0}, {0, 1, 2, 3}, {5, 1, 2}}};
+  const Faces fans = {{5, 0, 1}, {4, 3, 2}, {4, 2, 1}, {4, 1, 0}, {0, 1, 2}, {0, 2, 3}, {5, 1, 2}};
+  for (const Format& format : kFormats) {
+    if (!format.is_indexed) continue;
+    const core::TriangleMesh mesh = load(format.file, format.bytes(polygons));
+    EXPECT_EQ(mesh.positions(), polygons.positions) << format.name;
+    EXPECT_EQ(facesOf(mesh), fans) << format.name;
+  }
+}
+
+// ---- off
+
+TEST_F(MeshFormats, ReadsOffWithColours) {
+  const core::TriangleMesh mesh =
+      load("m.off",
+           "COFF 3 1 0 # counts\n\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 9 9 9 9\n"
+           "3 0 1 2 0.5 0.5 0.5\n");
+  expectSame(mesh, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+}
+
+TEST_F(MeshFormats, RefusesABadOff) {
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_EQ(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 2\n"), "");
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 3\n"),
+              HasSubstr("face 0 names vertex 3 of 3"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 -1\n"),
+              HasSubstr("face 0 names vertex -1 of 3"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 0.5\n"),
+              HasSubstr("face 0 names vertex 0.5 of 3"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "4 0 1 2\n"),
+              HasSubstr("line 6: it has 4 words, but 5 or more are wanted"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "2 0 1\n"), HasSubstr("2 corners"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 2 0\n" + vertices + "3 0 1 2\n"),
+              HasSubstr("the file ends here, but a face is wanted"));
+  EXPECT_THAT(refusal("m.off", "OFF\n2 1 0\n" + vertices + "3 0 1 1\n"), HasSubstr("corners"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 2\n3 0 1 2\n"),
+              HasSubstr("more follows than the counts say"));
+  EXPECT_THAT(refusal("m.off", "OFF\n-3 1 0\n"), HasSubstr("the count -3 is negative"));
+  EXPECT_THAT(refusal("m.off", "OFF BINARY\n"), HasSubstr("'BINARY' is not an integer"));
+  EXPECT_THAT(refusal("m.off", "FOO\n"), HasSubstr("the keyword OFF is wanted"));
+}
+
+// ---- ply
+
+TEST_F(MeshFormats, ReadsEveryTypeOfPlyAndPassesOverWhatItDoesNotNeed) {
+  std::string bytes =
+      "ply\r\nformat binary_little_endian 1.0\r\nobj_info x\r\nelement camera 1\r\nproperty short "
+      "id\r\nproperty list ushort int8 bits\r\nelement face 1\r\nproperty uint16 flags\r\nproperty "
+      "list uint32 uint vertex_index\r\nelement vertex 3\r\nproperty double z\r\nproperty float64 "
+      "y\r\nproperty int x\r\nend_header\r\n";
+  put(bytes, std::int16_t{-1});
+  put(bytes, std::uint16_t{2});
+  put(bytes, std::int8_t{1});
+  put(bytes, std::int8_t{2});
+  put(bytes, std::uint16_t{7});
+  put(bytes, std::uint32_t{3});
+  for (const std::uint32_t corner : {2u, 0u, 1u}) put(bytes, corner);
+  for (const double i : {0.0, 1.0, 2.0}) {
+    put(bytes, 0.1 * i);
+    put(bytes, i * i);
+    put(bytes, static_cast<std::int32_t>(-i));
+  }
+  expectSame(load("m.ply", bytes), {{{0, 0, 0}, {-1, 1, 0.1}, {-2, 4, 0.2}}, {{2, 0, 1}}});
+}
+
+const std::string kPlyHeader =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+    "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+const std::string kPlyVertices = "0 0 0\n1 0 0\n0 1 0\n";
+
+TEST_F(MeshFormats, RefusesAFaceIndexOfPlyThatIsOutOfRange) {
+  EXPECT_EQ(refusal("m.ply", kPlyHeader + kPlyVertices + "3 0 1 2\n"), "");
+  for (const char* const index : {"-1", "3", "4294967295", "1e300"}) {
+    EXPECT_THAT(refusal("m.ply", kPlyHeader + kPlyVertices + "3 0 1 " + index + "\n"),
+                AllOf(HasSubstr("m.ply'"), HasSubstr("face 0 names vertex "), HasSubstr(" of 3")))
+        << index;
+  }
+}
+
+TEST_F(MeshFormats, RefusesABadPly) {
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string good = kPlyHeader + kPlyVertices + "3 0 1 2\n";
+  const auto with = [&](const std::string& from, const std::string& to) {
+    return refusal("m.ply", replaced(good, from, to));
+  };
+  EXPECT_THAT(with("ply\n", "plx\n"), HasSubstr("line 1: the word ply is wanted"));
+  EXPECT_THAT(with("ascii", "asci"), HasSubstr("line 2: word 2 must be one of: ascii binary"));
+  EXPECT_THAT(with("vertex 3", "vertex -3"), HasSubstr("line 3: the count is negative"));
+  EXPECT_THAT(with("vertex 3", "vertex 4000000000000"), HasSubstr("the file ends here"));
+  EXPECT_THAT(with("element vertex", "element vortex"), HasSubstr("must have one element vertex"));
+  EXPECT_THAT(with("float x", "flaot x"), HasSubstr("line 4: word 2 must be one of:"));
+  EXPECT_THAT(with("float x", "float w"), HasSubstr("element vertex must have one number x"));
+  EXPECT_THAT(with("float z", "float y"), HasSubstr("element vertex must have one number y"));
+  EXPECT_THAT(with("vertex_indices", "corners"),
+              HasSubstr("element face must have one list vertex_indices"));
+  EXPECT_THAT(with("end_header\n", ""), HasSubstr("line 9: element, property, comment or"));
+  EXPECT_THAT(with("1 0 0", "1 nan 0"), HasSubstr("vertex 1 is at (1, nan, 0)"));
+  EXPECT_THAT(with("1 0 0", "1 0 1e39"), HasSubstr("vertex 1 is at (1, 0, 1e+39)"));
+  EXPECT_THAT(with("3 0 1 2", "2 0 1"), HasSubstr("has 2 corners"));
+  EXPECT_THAT(with("3 0 1 2", "-3 0 1 2"), HasSubstr("list vertex_indices has -3"));
+  EXPECT_THAT(with("3 0 1 2", "inf 0 1 2"), HasSubstr("the file ends here, but a number"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1"), HasSubstr("the file ends here, but a number is wanted"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 2\n3 0 1 2"), HasSubstr("more follows than the header says"));
+  const std::string endless = "element void 1000000000000000\nelement face";
+  EXPECT_THAT(with("element face", endless), HasSubstr("element void has no property"));
+}
+
+TEST_F(MeshFormats, RefusesABinaryPlyThatEndsEarlyOrLate) {
+  const std::string bytes = binaryPly(awkwardShape(), true);
+  for (std::size_t missing = 1; missing < bytes.size(); missing += 7) {
+    EXPECT_NE(refusal("m.ply", bytes.substr(0, bytes.size() - missing)), "") << missing;
+  }
+  EXPECT_THAT(refusal("m.ply", bytes + "x"), HasSubstr("more follows than the header says"));
+  EXPECT_EQ(refusal("m.ply", bytes + "\n"), "");
+}
+
+// ---- what assimp reads
+
+TEST_F(MeshFormats, RefusesNumbersOfStlThatAreNoNumbers) {
+  Shape shape = awkwardShape();
+  shape.positions[2].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal("m.stl", binaryStl(shape)), HasSubstr("vertex 2 is at (nan, "));
+  shape.positions[2].y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal("m.stl", binaryStl(shape)), HasSubstr("vertex 2 is at ("));
+}
+
+TEST_F(MeshFormats, MergesZeroAndMinusZero) {
+  Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}}, {{0, 1, 2}, {3, 2, 1}}};
+  EXPECT_EQ(load("m.stl", binaryStl(shape)).positions().size(), 3u);
+}
+
+TEST_F(MeshFormats, AppliesTheNodesOfDaeAndItsUnitButNotItsUpAxis) {
+  const Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, {{0, 1, 2}}};
+  const core::TriangleMesh mesh =
+      load("m.dae", dae(shape, "0.5", "<translate>4 6 8</translate><scale>2 2 2</scale>"));
+  EXPECT_EQ(mesh.positions(), core::Points({{2, 3, 4}, {3, 3, 4}, {2, 3, 6}}));
+}
+
+TEST_F(MeshFormats, TurnsTheTrianglesOfAMirroredNodeRound) {
+  const Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, {{0, 1, 2}}};
+  const core::TriangleMesh mesh = load("m.dae", dae(shape, "1", "<scale>1 -1 1</scale>"));
+  const core::Triangle triangle = mesh.triangle(core::TriangleId{0});
+  EXPECT_EQ(triangle.a, shape.positions[0]);
+  EXPECT_EQ(triangle.b + triangle.c, shape.positions[1] + shape.positions[2]);
+  EXPECT_GT((triangle.b - triangle.a).cross(triangle.c - triangle.a).y(), 0.0);
+}
+
+}  // namespace
+}  // namespace organ_collision::io
