@@ -70,22 +70,26 @@ bool Collapse::isPacket(const Set& set) const {
   return set.isLeaf() || (set.size() <= kLaneCount && costs_[set.node].is_packet);
 }
 
-float Collapse::costOf(const Set& set, std::uint32_t slots, float weight) const {
-  return set.isLeaf() ? kPacketCost * weight : costs_[set.node].cost[slots - 1];
-}
-
 void Collapse::weigh(const Set& set, const Points& centroids) {
   Costs& costs = costs_[set.node];
   const auto [a, b] = tree_.poles(set);
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
   costs.weight = static_cast<float>(visited * visited);
   const auto [one, other] = tree_.children(set);
+  std::array<float, kLaneCount> leaf;
+  leaf.fill(kPacketCost * costs.weight);
+  const auto& of_one = one.isLeaf() ? leaf : costs_[one.node].cost;
+  const auto& of_other = other.isLeaf() ? leaf : costs_[other.node].cost;
   std::array<float, kLaneCount> divided;
   for (std::uint32_t slots = 2; slots <= kLaneCount; ++slots) {
+    if (slots > set.size()) {  // one for each leaf is enough
+      divided[slots - 1] = divided[slots - 2];
+      costs.first_slots[slots - 1] = costs.first_slots[slots - 2];
+      continue;
+    }
     divided[slots - 1] = std::numeric_limits<float>::infinity();
     for (std::uint32_t first = 1; first < slots; ++first) {
-      const float cost =
-          costOf(one, first, costs.weight) + costOf(other, slots - first, costs.weight);
+      const float cost = of_one[first - 1] + of_other[slots - first - 1];
       if (cost < divided[slots - 1]) {
         divided[slots - 1] = cost;
         costs.first_slots[slots - 1] = static_cast<std::uint8_t>(first);

@@ -45,7 +45,6 @@ class Collapse {
   };
 
   bool isPacket(const Set& set) const;
-  float costOf(const Set& set, std::uint32_t slots, float weight) const;
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;

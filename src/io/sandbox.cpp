@@ -20,6 +20,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "address_sanitizer.h"
+
 namespace organ_collision::io {
 namespace {
 
@@ -37,16 +39,13 @@ void lower(decltype(RLIMIT_CPU) resource, rlim_t limit) {
   ::setrlimit(resource, &now);
 }
 
-#ifdef __SANITIZE_ADDRESS__  // its shadow memory takes terabytes of addresses
-void limitMemory(std::size_t) {}
-#else
 /// Allows `more` bytes of address space than are in use.
 void limitMemory(std::size_t more) {
+  if (kAddressSanitizer) return;  // its shadow memory takes terabytes of addresses
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   lower(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more);
 }
-#endif
 
 void limitThisProcess(const ChildLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);

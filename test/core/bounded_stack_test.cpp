@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/address_sanitizer.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/sign.h"
 #include "test_meshes.h"
@@ -18,12 +19,8 @@ namespace organ_collision::core {
 namespace {
 
 constexpr std::size_t kStack = 0x1p23;  // [bytes] of a thread; what it needs is measured
-// [bytes] that halving in another order may take.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kNoise = 0x1p14;  // frames are larger
-#else
-constexpr std::size_t kNoise = 0x1p12;
-#endif
+// [bytes] that halving in another order may take: 20 levels
+constexpr std::size_t kNoise = io::kAddressSanitizer ? 0x1p14 : 0x1p12;
 constexpr std::size_t kTetrahedra = 1100;
 // From 2^490 m to where squares underflow, 2^-537 m, every halving is a level; what is nearer to 0
 // coincides, and is split in halves.

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "io/address_sanitizer.h"
 #include "temporary_folder.h"
 
 namespace organ_collision::io {
@@ -100,9 +101,8 @@ TEST(Sandbox, EndsAHangThatIgnoresSignals) {
 }
 
 TEST(Sandbox, RefusesAHungryJob) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer needs all addresses: there is no memory limit under it";
-#endif
+  if (kAddressSanitizer)
+    GTEST_SKIP() << "the address sanitizer needs all addresses: there is no memory limit under it";
   const auto job = [] {
     std::vector<std::string> blocks;
     while (blocks.size() < 1000) blocks.emplace_back(1'000'000, 'x');
@@ -151,9 +151,8 @@ TEST(Sandbox, WritesNoFile) {
 /// A lock that another thread holds at the fork stays locked in the child. The C library takes care
 /// of its own (memory, streams), and a reader takes no others.
 TEST(Sandbox, DoesNotHangOnLocksOfOtherThreads) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer's allocator has locks that fork() does not take care of";
-#endif
+  if (kAddressSanitizer)
+    GTEST_SKIP() << "the address sanitizer's allocator has locks that fork() does not take care of";
   std::atomic<bool> stop{false};
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
