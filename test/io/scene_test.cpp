@@ -233,13 +233,13 @@ TEST(Scene, RefusesANameThatIsTaken) {
 }
 
 TEST(Scene, RefusesPairsThatMeanNothing) {
-  EXPECT_EQ(refusal(withPairs({pair("left", "spleen")})),
+  EXPECT_EQ(refusal(withPairs({Value(pair("left", "spleen"))})),
             "scene.pairs[0][1]: 'spleen' is no organ or instrument");
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("left", "left")})),
             "scene.pairs[1]: it names 'left' twice");
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("liver", "left")})),
             "scene.pairs[1]: the pair is listed before");
-  EXPECT_EQ(refusal(withPairs({List{"left"}})),
+  EXPECT_EQ(refusal(withPairs({Value(List{"left"})})),
             "scene.pairs[0]: a list of 1, but it must be a list of 2");
   EXPECT_EQ(refusal(withPairs({"left"})), "scene.pairs[0]: 'left', but it must be a list of 2");
 }
