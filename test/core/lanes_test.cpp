@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <string>
+#include <type_traits>
 
 #include "core/lane_vector.h"
 #include "core/waiting.h"
@@ -26,8 +28,14 @@ class LanesOf : public testing::Test {
   static Real some(std::uint32_t lane) { return static_cast<Real>(lane) - Real{2.5}; }
 };
 
+struct Names {
+  template <class Real>
+  static std::string GetName(int /*number*/) {
+    return std::is_same_v<Real, float> ? "float" : "double";
+  }
+};
 using Reals = testing::Types<float, double>;
-TYPED_TEST_SUITE(LanesOf, Reals);
+TYPED_TEST_SUITE(LanesOf, Reals, Names);
 
 TYPED_TEST(LanesOf, AreLoadedStoredAndReadInOrder) {
   alignas(64) const float values[kLanes] = {3, 1, 4, 1.5F, -9, 2, 6, 5};
