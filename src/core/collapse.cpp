@@ -74,10 +74,10 @@ void Collapse::weigh(const Set& set, const Points& centroids) {
   Costs& costs = costs_[set.node];
   const auto [a, b] = tree_.poles(set);
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
-  costs.weight = static_cast<float>(visited * visited);
+  const auto weight = static_cast<float>(visited * visited);
   const auto [one, other] = tree_.children(set);
   std::array<float, kLaneCount> leaf;
-  leaf.fill(kPacketCost * costs.weight);
+  leaf.fill(kPacketCost * weight);
   const auto& of_one = one.isLeaf() ? leaf : costs_[one.node].cost;
   const auto& of_other = other.isLeaf() ? leaf : costs_[other.node].cost;
   std::array<float, kLaneCount> divided;
@@ -96,9 +96,9 @@ void Collapse::weigh(const Set& set, const Points& centroids) {
       }
     }
   }
-  const float as_node = costs.weight + divided[kLaneCount - 1];
-  const float as_packet = set.size() <= kLaneCount ? kPacketCost * costs.weight
-                                                   : std::numeric_limits<float>::infinity();
+  const float as_node = weight + divided[kLaneCount - 1];
+  const float as_packet =
+      set.size() <= kLaneCount ? kPacketCost * weight : std::numeric_limits<float>::infinity();
   costs.is_packet = as_packet <= as_node;
   costs.cost[0] = std::min(as_node, as_packet);
   costs.slots[0] = 1;

@@ -40,7 +40,6 @@ class Collapse {
     std::array<float, kLaneCount> cost;                // of the set in up to 1, 2, ... 8 lanes
     std::array<std::uint8_t, kLaneCount> slots;        // that it then takes
     std::array<std::uint8_t, kLaneCount> first_slots;  // of them, its first child's, if 2 or more
-    float weight;
     bool is_packet;
   };
 

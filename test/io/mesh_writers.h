@@ -41,15 +41,22 @@ inline std::string obj(const Shape& shape) {
   return text.str();
 }
 
-inline std::string off(const Shape& shape) {
+/// As off and ply have them: how many corners, then which.
+inline std::string countedFaces(const Faces& faces) {
   std::ostringstream text;
-  text << "OFF\n# by hand\n" << shape.positions.size() << " " << shape.faces.size() << " 0\n";
-  for (const auto& p : shape.positions) text << p.transpose() << "\n";
-  for (const auto& face : shape.faces) {
+  for (const auto& face : faces) {
     text << face.size();
     for (const int corner : face) text << " " << corner;
     text << "\n";
   }
+  return text.str();
+}
+
+inline std::string off(const Shape& shape) {
+  std::ostringstream text;
+  text << "OFF\n# by hand\n" << shape.positions.size() << " " << shape.faces.size() << " 0\n";
+  for (const auto& p : shape.positions) text << p.transpose() << "\n";
+  text << countedFaces(shape.faces);
   return text.str();
 }
 
@@ -67,11 +74,7 @@ inline std::string asciiPly(const Shape& shape) {
   std::ostringstream text;
   text << plyHeader(shape, "ascii");
   for (const auto& p : shape.positions) text << p.transpose() << " 255\n";
-  for (const auto& face : shape.faces) {
-    text << face.size();
-    for (const int corner : face) text << " " << corner;
-    text << "\n";
-  }
+  text << countedFaces(shape.faces);
   return text.str();
 }
 
