@@ -46,7 +46,7 @@ bool isNearer(const Corner& left, const Corner& right) {
   return std::tie(p.x(), p.y(), p.z()) < std::tie(q.x(), q.y(), q.z());
 }
 
-Corners3 cornersOf(const Vector3d& query, const Triangle& triangle) {
+Corners3 cornersSeenFrom(const Vector3d& query, const Triangle& triangle) {
   const auto corner = [&query](const Vector3d& position, int slot) {
     const Vector3d offset = position - query;
     return Corner{position, offset, squaredLength(offset), slot};
@@ -156,7 +156,7 @@ Feature featureOf(const Vector3d& barycentric) {
 }  // namespace
 
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
-  const Corners3 corners = cornersOf(query, triangle);
+  const Corners3 corners = cornersSeenFrom(query, triangle);
   const std::size_t nearest = nearestOf(corners);
   const View view(corners[nearest], corners[(nearest + 1) % 3], corners[(nearest + 2) % 3]);
   Candidate best = atCorner(view.base);

@@ -11,8 +11,8 @@ namespace {
 constexpr double kLargestUnit = 2.0;
 
 bool fits(const Box& box, const UnitFrame& frame) {
-  return frame(box.low).cwiseAbs().maxCoeff() <= kLargestUnit &&
-         frame(box.high).cwiseAbs().maxCoeff() <= kLargestUnit;
+  return largestCoordinate(frame(box.low)) <= kLargestUnit &&
+         largestCoordinate(frame(box.high)) <= kLargestUnit;
 }
 
 bool isOnFace(const Eigen::Vector3d& point, const Box& box) {

@@ -16,9 +16,9 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::size_t kFewPoints = 32;   // all pairs of so many cost less than sweeps
-constexpr std::size_t kFewPairs = 4096;  // are compared rather than divided
-constexpr std::size_t kSweep = 256;      // points
+constexpr std::size_t kFewPoints = 32;       // all pairs of so many cost less than sweeps
+constexpr std::size_t kFewToCompare = 4096;  // are compared rather than divided
+constexpr std::size_t kSweep = 256;          // points
 
 bool isBetter(const FarthestPair& candidate, const FarthestPair& best) {
   if (candidate.squared_distance != best.squared_distance)
@@ -151,7 +151,7 @@ class Diameter {
   /// REQUIRES: the others in order. Recursion is safe: halving keeps it as deep as the logarithm of
   /// the count, whatever the positions.
   void pairUp(const Range& ends, const Members& others) {
-    if (ends.size() == 1 || ends.size() * others.size() <= kFewPairs) {
+    if (ends.size() == 1 || ends.size() * others.size() <= kFewToCompare) {
       compare(ends, others);
       return;
     }

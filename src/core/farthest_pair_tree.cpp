@@ -22,10 +22,6 @@ bool lexicographicallyLess(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   return std::make_tuple(p.x(), p.y(), p.z()) < std::make_tuple(q.x(), q.y(), q.z());
 }
 
-std::array<Eigen::Vector3d, 3> cornersOf(const Triangle& triangle) {
-  return {triangle.a, triangle.b, triangle.c};
-}
-
 std::array<Eigen::Vector3d, 3> sortedCorners(const Triangle& triangle) {
   std::array<Eigen::Vector3d, 3> corners = cornersOf(triangle);
   std::sort(corners.begin(), corners.end(), [](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
@@ -44,7 +40,7 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
 
 using Columns = std::array<std::vector<double>, 3>;
 
-constexpr std::size_t kGrain = 1024;  // triangles that are worth a task
+constexpr std::size_t kTrianglesPerTask = 1024;
 
 Columns columnsOf(std::size_t size) {
   return {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
@@ -52,14 +48,15 @@ Columns columnsOf(std::size_t size) {
 
 Columns centroidsOf(const TriangleMesh& mesh) {
   Columns centroids = columnsOf(mesh.triangleCount());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kGrain), [&](const auto& some) {
-        for (std::size_t i = some.begin(); i < some.end(); ++i) {
-          const Eigen::Vector3d at = centroid(mesh.triangle(static_cast<TriangleId>(i)));
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            centroids[axis][i] = at[static_cast<Eigen::Index>(axis)];
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kTrianglesPerTask),
+                    [&](const auto& some) {
+                      for (std::size_t i = some.begin(); i < some.end(); ++i) {
+                        const Eigen::Vector3d at =
+                            centroid(mesh.triangle(static_cast<TriangleId>(i)));
+                        for (std::size_t axis = 0; axis < 3; ++axis)
+                          centroids[axis][i] = at[static_cast<Eigen::Index>(axis)];
+                      }
+                    });
   return centroids;
 }
 
@@ -98,14 +95,15 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
   const auto at = [&](std::size_t place) {
     return triangles.begin() + static_cast<std::ptrdiff_t>(place);
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& some) {
-    for (std::size_t slice = some.begin(); slice < some.end(); ++slice) {
-      tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
-                         [&](TriangleId first, TriangleId second) {
-                           return comesFirst(mesh, centroids, first, second);
-                         });
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kTrianglesPerTask),
+                    [&](const auto& some) {
+                      for (std::size_t slice = some.begin(); slice < some.end(); ++slice) {
+                        tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
+                                           [&](TriangleId first, TriangleId second) {
+                                             return comesFirst(mesh, centroids, first, second);
+                                           });
+                      }
+                    });
   return triangles;
 }
 
@@ -116,8 +114,6 @@ constexpr double kApartRounding = 0x1p-17;
 constexpr float kOffsetRounding = 0x1p-20F;
 /// The same for the distances to the poles themselves, in double precision.
 constexpr double kPoleRounding = 0x1p-46;
-
-double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
 }  // namespace
 

@@ -15,7 +15,7 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  // welds that are worth a task
+constexpr std::size_t kWeldsPerTask = 1024;
 
 /// Equal for equal positions: minus zero is zero.
 std::uint64_t hash(const Eigen::Vector3d& position) {
@@ -131,7 +131,8 @@ class MeshTopology::Inspector {
 
 void MeshTopology::inspect(const TriangleMesh& mesh) {
   const Findings findings = tbb::parallel_reduce(
-      tbb::blocked_range<Weld>(0, static_cast<Weld>(representatives_.size()), kGrain), Findings(),
+      tbb::blocked_range<Weld>(0, static_cast<Weld>(representatives_.size()), kWeldsPerTask),
+      Findings(),
       [&](const auto& some, Findings findings_so_far) {
         Inspector inspector(*this, mesh);
         for (Weld weld = some.begin(); weld < some.end(); ++weld)

@@ -71,7 +71,7 @@ class NearestSearch : protected Search {
       last = corner;
       const Eigen::Vector3d unit = tree.frame()(corner);
       corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
-      beyond_ = beyond_ || !(unit.cwiseAbs().maxCoeff() < kBeyond);
+      beyond_ = beyond_ || !(largestCoordinate(unit) < kBeyond);
     }
     sparing = accuracy.max_leaves != 0;
     leaves_left =

@@ -25,9 +25,6 @@ namespace {
 /// As many pairs are followed as cost little to keep, and seldom leave too little clear.
 constexpr std::uint32_t kFewPairs = 160;
 constexpr std::uint32_t kManyPairs = 320;
-constexpr double kSlackStep = 1.25;
-/// Sizes of a triangle, of those that would fill the second's box, at first.
-constexpr double kFirstSlack = 0.125;
 /// Steps that what is followed must last for, to be worth it.
 constexpr double kWorthSteps = 4.0;
 
@@ -61,6 +58,9 @@ class TrackedPairSearch : private NearestPairSearch {
 
  private:
   static constexpr Accuracy kExact = {};
+  static constexpr double kSlackStep = 1.25;
+  /// Sizes of a triangle, of those that would fill the second's box, at first.
+  static constexpr double kFirstSlack = 0.125;
 
   /// Whether it still is what it was.
   bool knowsPair() const {

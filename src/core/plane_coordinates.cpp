@@ -60,8 +60,7 @@ std::optional<Vector2d> accuratePlaneCoordinates(const Vector3d& v, const Vector
   const double longest = std::max(squaredLength(e1), squaredLength(e2));
   if (longest < kShortestSafe || longest > kLongestSafe) {
     if (e1.isZero(0) && e2.isZero(0)) return std::nullopt;
-    const double factor =
-        normalisingFactor(std::max(e1.lpNorm<Eigen::Infinity>(), e2.lpNorm<Eigen::Infinity>()));
+    const double factor = normalisingFactor(std::max(largestCoordinate(e1), largestCoordinate(e2)));
     return accuratePlaneCoordinates(factor * v, factor * e1, factor * e2);
   }
   const Plane plane = planeOf(e1, e2);

@@ -1,9 +1,10 @@
 #include "organ_collision/core/predicates.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+
+#include "core/plane_coordinates.h"
 
 namespace organ_collision::core {
 namespace {
@@ -63,9 +64,9 @@ class ExactDifference {
   ExactDifference(const Vector3d& v, const Vector3d& w) : head_(v - w) {
     const Vector3d subtracted = v - head_;
     tail_ = (v - (head_ + subtracted)) + (subtracted - w);
-    const double largest = head_.lpNorm<Eigen::Infinity>();
+    const double largest = largestCoordinate(head_);
     if (largest == 0) return;
-    const double factor = std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
+    const double factor = normalisingFactor(largest);
     head_ *= factor;
     tail_ *= factor;
   }

@@ -17,8 +17,6 @@ namespace {
 // that is far below kClear.
 constexpr double kClear = 0x1p-12;
 
-double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
-
 /// Times a power of two, so that no product of four over- or underflows.
 Eigen::Vector3d madeSafe(const Eigen::Vector3d& v) {
   return v.isZero(0.0) ? v : Eigen::Vector3d(normalisingFactor(largestCoordinate(v)) * v);

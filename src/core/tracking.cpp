@@ -28,9 +28,6 @@ namespace {
 /// As many packets are followed as cost little to keep, and seldom leave too little clear.
 constexpr std::uint32_t kFewPackets = 24;
 constexpr std::uint32_t kManyPackets = 40;
-constexpr double kSlackStep = 1.25;
-/// Sizes of a triangle, of those that would fill the organ's box, at first.
-constexpr double kFirstSlack = 4.0;
 
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
@@ -59,6 +56,9 @@ class TrackedSearch : private NearestSearch<Tip> {
 
  private:
   static constexpr Accuracy kExact = {};
+  static constexpr double kSlackStep = 1.25;
+  /// Sizes of a triangle, of those that would fill the organ's box, at first.
+  static constexpr double kFirstSlack = 4.0;
 
   bool isNear() const {
     double farthest = 0.0;

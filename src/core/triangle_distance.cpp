@@ -20,8 +20,6 @@ struct Edge {
   Feature feature;
 };
 
-std::array<Vector3d, 3> cornersOf(const Triangle& t) { return {t.a, t.b, t.c}; }
-
 std::array<Edge, 3> edgesOf(const Triangle& t) {
   return {{{0, 1, t.a, t.b, Feature::kEdgeAB},
            {1, 2, t.b, t.c, Feature::kEdgeBC},
@@ -94,7 +92,7 @@ ClosestPair betweenBoundaries(const Triangle& first, const Triangle& second) {
 /// About where the edge crosses the plane of `triangle`, if it does.
 std::optional<Vector3d> crossing(const Edge& edge, const Triangle& triangle) {
   Vector3d normal = accurateCross(triangle.b - triangle.a, triangle.c - triangle.a);
-  normal /= normal.lpNorm<Eigen::Infinity>();  // against overflow
+  normal /= largestCoordinate(normal);  // against overflow
   const double before = normal.dot(edge.start - triangle.a);
   const double after = normal.dot(edge.end - triangle.a);
   if (!((before < 0 && after > 0) || (before > 0 && after < 0))) return std::nullopt;

@@ -20,8 +20,6 @@ bool anyNegative(const Signs& s) { return s[0] < 0 || s[1] < 0 || s[2] < 0; }
 bool allPositive(const Signs& s) { return s[0] > 0 && s[1] > 0 && s[2] > 0; }
 bool allNegative(const Signs& s) { return s[0] < 0 && s[1] < 0 && s[2] < 0; }
 
-std::array<Vector3d, 3> cornersOf(const Triangle& t) { return {t.a, t.b, t.c}; }
-
 bool boxesMeet(const Box& first, const Box& second) {
   return (first.low.array() <= second.high.array()).all() &&
          (second.low.array() <= first.high.array()).all();

@@ -8,7 +8,7 @@
 namespace organ_collision::io {
 namespace {
 
-[[noreturn]] void refuse(const std::string& url, const std::string& why) {
+[[noreturn]] void refuseMesh(const std::string& url, const std::string& why) {
   throw std::invalid_argument("mesh '" + url + "': " + why);
 }
 
@@ -17,9 +17,9 @@ std::filesystem::path inPackage(const std::string& url, std::string_view rest,
   const std::size_t slash = rest.find('/');
   const std::string package(rest.substr(0, slash));
   const std::string path(slash == std::string_view::npos ? "" : rest.substr(slash + 1));
-  if (package.empty() || path.empty()) refuse(url, "package://PACKAGE/PATH is wanted");
+  if (package.empty() || path.empty()) refuseMesh(url, "package://PACKAGE/PATH is wanted");
   const std::optional<std::filesystem::path> folder = find_package(package);
-  if (!folder) refuse(url, "there is no package '" + package + "'");
+  if (!folder) refuseMesh(url, "there is no package '" + package + "'");
   return *folder / std::filesystem::path(path).relative_path();  // PATH may begin with a slash
 }
 
@@ -29,7 +29,7 @@ std::filesystem::path canonical(const std::string& url, const std::filesystem::p
   std::filesystem::path result = std::filesystem::canonical(path, error);
   if (error) {
     const std::string where = std::filesystem::absolute(path).lexically_normal().string();
-    refuse(url, role + " '" + where + "': " + error.message());
+    refuseMesh(url, role + " '" + where + "': " + error.message());
   }
   return result;
 }
@@ -43,12 +43,12 @@ bool isBelow(const std::filesystem::path& file, const std::filesystem::path& roo
 std::filesystem::path resolveMesh(const std::string& url, const PackageFinder& find_package,
                                   const std::optional<std::filesystem::path>& mesh_root) {
   constexpr std::string_view kPackage = "package://";
-  if (url.empty()) refuse(url, "it is empty");
+  if (url.empty()) refuseMesh(url, "it is empty");
   const bool in_package = url.compare(0, kPackage.size(), kPackage) == 0;
   if (const std::size_t colon = url.substr(0, url.find('/')).find(':');
       !in_package && colon != std::string::npos) {
-    refuse(url, "the scheme '" + url.substr(0, colon) +
-                    "' is not supported: package://PACKAGE/PATH or a plain path is wanted");
+    refuseMesh(url, "the scheme '" + url.substr(0, colon) +
+                        "' is not supported: package://PACKAGE/PATH or a plain path is wanted");
   }
   const std::filesystem::path path =
       in_package ? inPackage(url, std::string_view(url).substr(kPackage.size()), find_package)
@@ -57,8 +57,8 @@ std::filesystem::path resolveMesh(const std::string& url, const PackageFinder& f
   if (!mesh_root) return file;
   const std::filesystem::path root = canonical(url, *mesh_root, "the mesh_root");
   if (!isBelow(file, root)) {
-    refuse(url,
-           "the file '" + file.string() + "' is not below the mesh_root '" + root.string() + "'");
+    refuseMesh(
+        url, "the file '" + file.string() + "' is not below the mesh_root '" + root.string() + "'");
   }
   return file;
 }

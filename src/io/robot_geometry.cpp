@@ -14,7 +14,7 @@
 namespace organ_collision::io {
 namespace {
 
-[[noreturn]] void refuse(const std::string& link, const std::string& why) {
+[[noreturn]] void refuseLink(const std::string& link, const std::string& why) {
   throw std::invalid_argument("link '" + link + "' of the robot description: " + why);
 }
 
@@ -37,27 +37,27 @@ const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string
   for (const auto& [other, link] : robot.links_) {
     known.append(known.empty() ? "" : ", ").append(other);
   }
-  refuse(name, "there is none of this name; there are: " + known);
+  refuseLink(name, "there is none of this name; there are: " + known);
 }
 
 const urdf::Link& linkWithCollision(const urdf::ModelInterface& robot, const std::string& name) {
   const urdf::Link& link = linkNamed(robot, name);
-  if (link.collision_array.empty()) refuse(name, "it has no <collision> that can be read");
+  if (link.collision_array.empty()) refuseLink(name, "it has no <collision> that can be read");
   return link;
 }
 
 const urdf::Collision& onlyCollision(const urdf::Link& link) {
   if (link.collision_array.size() == 1) return *link.collision_array.front();
-  refuse(link.name, "it has " + std::to_string(link.collision_array.size()) +
-                        " <collision>, but an organ is one mesh");
+  refuseLink(link.name, "it has " + std::to_string(link.collision_array.size()) +
+                            " <collision>, but an organ is one mesh");
 }
 
 const urdf::Mesh& mesh(const std::string& link, const urdf::Collision& collision) {
-  if (!collision.geometry) refuse(link, "its <collision> has no geometry");
+  if (!collision.geometry) refuseLink(link, "its <collision> has no geometry");
   if (const auto* const mesh = dynamic_cast<const urdf::Mesh*>(collision.geometry.get()))
     return *mesh;
-  refuse(link, std::string("its <collision> is ") + name(*collision.geometry) +
-                   ", but an organ is a mesh");
+  refuseLink(link, std::string("its <collision> is ") + name(*collision.geometry) +
+                       ", but an organ is a mesh");
 }
 
 Eigen::Vector3d scale(const std::string& link, const urdf::Mesh& mesh) {
@@ -66,7 +66,7 @@ Eigen::Vector3d scale(const std::string& link, const urdf::Mesh& mesh) {
   std::ostringstream message;
   message << "its mesh has the scale (" << scale.transpose()
           << "), but it must be finite and not 0";
-  refuse(link, message.str());
+  refuseLink(link, message.str());
 }
 
 Eigen::Isometry3d isometry(const urdf::Pose& pose) {
@@ -77,7 +77,7 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
 
 Eigen::Isometry3d origin(const std::string& link, const urdf::Collision& collision) {
   Eigen::Isometry3d origin = isometry(collision.origin);
-  if (!origin.matrix().allFinite()) refuse(link, "the origin of its <collision> is not finite");
+  if (!origin.matrix().allFinite()) refuseLink(link, "the origin of its <collision> is not finite");
   return origin;
 }
 
@@ -86,7 +86,7 @@ double size(const std::string& link, const char* what, double size) {
   if (std::isfinite(size) && size > 0.0) return size;
   std::ostringstream message;
   message << "its " << what << " is " << size << ", but it must be finite and above 0";
-  refuse(link, message.str());
+  refuseLink(link, message.str());
 }
 
 core::Shape convex(const core::TriangleMesh& mesh, const Eigen::Isometry3d& pose) {
@@ -130,7 +130,7 @@ std::size_t collisionCount(const std::string& robot_description, const std::stri
 
 urdf::ModelInterfaceSharedPtr parse(const std::string& robot_description, const std::string& link) {
   urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
-  if (!robot) refuse(link, "the description cannot be read as URDF");
+  if (!robot) refuseLink(link, "the description cannot be read as URDF");
   return robot;
 }
 
@@ -143,8 +143,8 @@ std::vector<LinkPiece> linkPieces(const std::string& robot_description, const st
     pieces.push_back(piece(link, *collision));
   const std::size_t wanted = collisionCount(robot_description, link);
   if (pieces.size() != wanted) {
-    refuse(link, "only " + std::to_string(pieces.size()) + " of its " + std::to_string(wanted) +
-                     " <collision> can be read");
+    refuseLink(link, "only " + std::to_string(pieces.size()) + " of its " + std::to_string(wanted) +
+                         " <collision> can be read");
   }
   return pieces;
 }

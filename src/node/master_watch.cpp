@@ -23,7 +23,7 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-constexpr double kWarningPeriod = 60.0;  // [s]
+constexpr double kAnswerWarningPeriod = 60.0;  // [s]
 
 std::string nodeUri() { return ros::XMLRPCManager::instance()->getServerURI(); }
 
@@ -117,7 +117,8 @@ void MasterWatch::check() {
   try {
     registerMissing();
   } catch (const XmlRpc::XmlRpcException& error) {  // no std::exception, and no reason to end
-    ROS_WARN_THROTTLE(kWarningPeriod, "odd answer of the master: %s", error.getMessage().c_str());
+    ROS_WARN_THROTTLE(kAnswerWarningPeriod, "odd answer of the master: %s",
+                      error.getMessage().c_str());
   }
 }
 

@@ -6,7 +6,7 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr unsigned kPatience = 64;  // full refits before partial ones get another chance
+constexpr unsigned kFullRefits = 64;  // before partial ones get another chance
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -28,7 +28,7 @@ std::size_t RefitPolicy::sizeOf(std::size_t moved) {
 
 bool RefitPolicy::prefersPartial(std::size_t moved) const {
   const Partial& partial = partial_[sizeOf(moved)];
-  return !partial.per_vertex || partial.passed_over >= kPatience ||
+  return !partial.per_vertex || partial.passed_over >= kFullRefits ||
          *partial.per_vertex * static_cast<double>(moved) < full_;
 }
 

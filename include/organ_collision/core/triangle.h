@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace organ_collision::core {
@@ -11,6 +12,13 @@ using Points = std::vector<Eigen::Vector3d>;
 struct Triangle {
   Eigen::Vector3d a, b, c;
 };
+
+inline std::array<Eigen::Vector3d, 3> cornersOf(const Triangle& triangle) {
+  return {triangle.a, triangle.b, triangle.c};
+}
+
+/// The largest magnitude of a coordinate.
+inline double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
 /// x^2 + y^2 + z^2, evaluated in one fixed order: never less than the same sum over smaller
 /// magnitudes.
