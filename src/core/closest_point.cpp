@@ -1,6 +1,7 @@
 #include "organ_collision/core/closest_point.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -55,8 +56,16 @@ Corners3 cornersSeenFrom(const Vector3d& query, const Triangle& triangle) {
 }
 
 std::size_t nearestOf(const Corners3& corners) {
-  const std::size_t nearer = isNearer(corners[1], corners[0]) ? 1 : 0;
-  return isNearer(corners[2], corners[nearer]) ? 2 : nearer;
+  const double a = corners[0].squared_distance;
+  const double b = corners[1].squared_distance;
+  const double c = corners[2].squared_distance;
+  if (a == b || b == c || c == a) {
+    const std::size_t nearer = isNearer(corners[1], corners[0]) ? 1 : 0;
+    return isNearer(corners[2], corners[nearer]) ? 2 : nearer;
+  }
+  // Without a branch, as none could be foreseen.
+  const std::size_t nearer = static_cast<std::size_t>(b < a);
+  return nearer + static_cast<std::size_t>(c < std::min(a, b)) * (2 - nearer);
 }
 
 /// The triangle as its nearest corner sees it: from there the way is the shortest, and so most
@@ -76,7 +85,9 @@ struct View {
 };
 
 Candidate atCorner(const Corner& corner) {
-  return {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Unit(corner.slot)};
+  Candidate at_corner = {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Zero()};
+  at_corner.barycentric[corner.slot] = 1;
+  return at_corner;
 }
 
 /// Steps to a point that is nearer than the best so far; false if it is not.
@@ -120,13 +131,6 @@ bool stepInside(const View& view, const Vector2d& weights, Candidate& best) {
   return true;
 }
 
-/// Most triangles are well shaped: where the query is above such a face, no edge is nearer.
-bool isInsidePlainly(const View& view, Candidate& best) {
-  const std::optional<Vector2d> weights =
-      plainPlaneCoordinates(-view.base.offset, view.to_left, view.to_right);
-  return weights && stepInside(view, *weights, best);
-}
-
 void considerFace(const View& view, Candidate& best) {
   const auto& [base, left, right, to_left, to_right] = view;
   if (base.position == left.position || left.position == right.position) return;
@@ -138,11 +142,21 @@ void considerFace(const View& view, Candidate& best) {
 }
 
 /// REQUIRES: of the corners of `view`, left is not farther than right.
-void considerAll(const View& view, Candidate& best) {
+void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.base, view.left, best);
   considerEdge(view.base, view.right, best);
   considerEdge(view.left, view.right, best);
-  considerFace(view, best);
+}
+
+/// Most triangles are well shaped: where the query is above such a face, no edge is nearer.
+void considerBeyondBase(const View& view, Candidate& best) {
+  const std::optional<Vector2d> plain =
+      plainPlaneCoordinates(-view.base.offset, view.to_left, view.to_right);
+  if (plain && stepInside(view, *plain, best)) return;
+  const View ordered =
+      isNearer(view.left, view.right) ? view : View(view.base, view.right, view.left);
+  considerEdges(ordered, best);
+  if (!plain) considerFace(ordered, best);
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -160,10 +174,11 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& trian
   const std::size_t nearest = nearestOf(corners);
   const View view(corners[nearest], corners[(nearest + 1) % 3], corners[(nearest + 2) % 3]);
   Candidate best = atCorner(view.base);
-  if (!isNearestAtBase(view) && !isInsidePlainly(view, best)) {
-    const bool is_left_nearer = isNearer(view.left, view.right);
-    considerAll(is_left_nearer ? view : View(view.base, view.right, view.left), best);
+  if (isNearestAtBase(view)) {
+    return {view.base.position, view.base.offset, best.barycentric, featureOf(best.barycentric),
+            view.base.squared_distance};
   }
+  considerBeyondBase(view, best);
 
   const Box seen = boxOf({corners[0].offset, corners[1].offset, corners[2].offset});
   const Box box = boxOf(triangle);

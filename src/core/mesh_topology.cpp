@@ -56,6 +56,7 @@ void MeshTopology::weldVertices(const TriangleMesh& mesh) {
     }
     welds_.push_back(table[place]);
   }
+  if (representatives_.size() == positions.size()) welds_ = {};
 }
 
 void MeshTopology::listTriangles(const TriangleMesh& mesh) {

@@ -164,9 +164,8 @@ class NearestSearch : protected Search {
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
 /// proven.
-NearestTriangle withSign(const CollisionMesh& organ, const NearestTriangle& nearest);
+void addSign(const CollisionMesh& organ, NearestTriangle& nearest);
 /// REQUIRES: `normal` is the surface's at the nearest point.
-NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
-                         const SurfaceNormal& normal);
+void addSign(const CollisionMesh& organ, const SurfaceNormal& normal, NearestTriangle& nearest);
 
 }  // namespace organ_collision::core

@@ -12,8 +12,8 @@ namespace organ_collision::core {
 WaitingSets scratch(std::size_t depth) {
   thread_local std::vector<float> squares;
   thread_local std::vector<std::uint32_t> sets;
-  // Opening a node takes one set from the stack, and writes eight there.
-  const std::size_t room = 2 + kLaneCount + (kLaneCount - 1) * depth;
+  // Eight at the bottom; opening a node writes eight, of which one is taken at once.
+  const std::size_t room = 2 * kLaneCount + (kLaneCount - 1) * depth;
   if (squares.size() < room) {
     squares.resize(room);
     sets.resize(room);
@@ -21,18 +21,17 @@ WaitingSets scratch(std::size_t depth) {
   return {squares.data(), sets.data()};
 }
 
-NearestTriangle withSign(const CollisionMesh& organ, const NearestTriangle& nearest) {
-  return withSign(organ, nearest, surfaceNormal(organ, nearest.triangle, nearest.closest.feature));
+void addSign(const CollisionMesh& organ, NearestTriangle& nearest) {
+  addSign(organ, surfaceNormal(organ, nearest.triangle, nearest.closest.feature), nearest);
 }
 
-NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
-                         const SurfaceNormal& normal) {
+void addSign(const CollisionMesh& organ, const SurfaceNormal& normal, NearestTriangle& nearest) {
   nearest.normal = normal.direction;
   if (nearest.upper_bound == 0.0) {  // of 0 both signs are right
     nearest.distance_signed = organ.health().isSolid();
-    return nearest;
+    return;
   }
-  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) return nearest;
+  if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) return;
   const std::optional<Side> side = sideOf(organ, nearest.tip_point, nearest.closest, normal);
   nearest.distance_signed = side.has_value();
   if (side == Side::kInside) {
@@ -40,7 +39,6 @@ NearestTriangle withSign(const CollisionMesh& organ, NearestTriangle nearest,
     nearest.upper_bound = -nearest.lower_bound;
     nearest.lower_bound = nearest.distance;
   }
-  return nearest;
 }
 
 void requireUsable(const Accuracy& accuracy) {
@@ -53,18 +51,28 @@ void requireUsable(const Accuracy& accuracy) {
   require(accuracy.max_absolute_error, "max_absolute_error");
 }
 
+namespace {
+
+template <class Tip>
+NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy) {
+  requireUsable(accuracy);
+  NearestTriangle nearest = NearestSearch<Tip>(organ, tip, accuracy).run();
+  addSign(organ, nearest);
+  return nearest;
+}
+
+}  // namespace
+
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
                                 const Accuracy& accuracy) {
   requireUsable(tip, "tip", 0);
-  requireUsable(accuracy);
-  return withSign(organ, NearestSearch<PointTip>(organ, PointTip(tip), accuracy).run());
+  return nearestTo(organ, PointTip(tip), accuracy);
 }
 
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
                                 const Accuracy& accuracy) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  requireUsable(accuracy);
-  return withSign(organ, NearestSearch<TriangleTip>(organ, TriangleTip(tip), accuracy).run());
+  return nearestTo(organ, TriangleTip(tip), accuracy);
 }
 
 }  // namespace organ_collision::core

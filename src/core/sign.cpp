@@ -29,87 +29,112 @@ Eigen::Vector3d unit(const Eigen::Vector3d& v) {
   return v.isZero(0.0) ? v : unit(madeSafe(v));
 }
 
-/// Triangles that meet at a feature, with the angles that they fill there; made of all that share
-/// its welded vertices.
+/// A triangle as one of its corners sees it, but for a factor.
+struct Wedge {
+  Eigen::Vector3d across;  ///< the normal, `area` long
+  double area, along;      ///< sine and cosine of the angle, times the same
+  bool well_shaped;
+};
+
+/// The corner after another one.
+constexpr std::array<std::size_t, 3> kNext = {1, 2, 0};
+
+Wedge wedgeAt(const TriangleMesh& mesh, const Corners& corners, std::size_t i) {
+  const Eigen::Vector3d& here = mesh.position(corners[i]);
+  Eigen::Vector3d to_next = mesh.position(corners[kNext[i]]) - here;
+  Eigen::Vector3d to_last = mesh.position(corners[kNext[kNext[i]]]) - here;
+  if (!isSafe(squaredLength(to_next)) || !isSafe(squaredLength(to_last))) {
+    to_next = madeSafe(to_next);
+    to_last = madeSafe(to_last);
+  }
+  const Eigen::Vector3d across = to_next.cross(to_last);
+  const double squared_area = squaredLength(across);
+  return {across, std::sqrt(squared_area), to_next.dot(to_last),
+          squared_area > kClear * kClear * squaredLength(to_next) * squaredLength(to_last)};
+}
+
+/// Triangles that meet at an edge or a vertex; all that share its welded vertices.
 class Fan {
  public:
-  Fan(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
-    switch (feature) {
-      case Feature::kFace:
-        add(organ.mesh().triangle(triangle), 0, Feature::kFace);
-        break;
-      case Feature::kVertexA:
-      case Feature::kVertexB:
-      case Feature::kVertexC:
-        addAround(organ, corner(organ, triangle, static_cast<std::size_t>(feature)));
-        break;
-      case Feature::kEdgeAB:
-      case Feature::kEdgeBC:
-      case Feature::kEdgeCA: {
-        const auto first =
-            static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::kEdgeAB);
-        addAlong(organ, corner(organ, triangle, first), corner(organ, triangle, (first + 1) % 3));
-        break;
-      }
+  explicit Fan(const CollisionMesh& organ) : topology_(organ.topology()), mesh_(organ.mesh()) {}
+
+  void addAround(VertexId vertex) {
+    const Weld here = topology_.weld(vertex);
+    for (const TriangleId id : topology_.trianglesAt(here)) {
+      const Corners& corners = mesh_.corners(id);
+      const Wedge wedge = wedgeAt(mesh_, corners, firstAt(here, weldsOf(corners)));
+      add(wedge, std::atan2(wedge.area, wedge.along));
     }
   }
 
-  const Eigen::Vector3d& normal() const { return normal_; }
-  bool isWellShaped() const { return well_shaped_ && normal_.norm() > kClear; }
+  void addAlong(VertexId start, VertexId end) {
+    const Weld from = topology_.weld(start);
+    const Weld to = topology_.weld(end);
+    for (const TriangleId id : topology_.trianglesAt(from)) {
+      const Corners& corners = mesh_.corners(id);
+      const Welds welds = weldsOf(corners);
+      if ((welds[0] == to) | (welds[1] == to) | (welds[2] == to))
+        add(wedgeAt(mesh_, corners, firstAt(from, welds)), 1.0);
+    }
+  }
+
+  SurfaceNormal normal() const {
+    return {unit(normal_), well_shaped_ && squaredLength(normal_) > kClear * kClear};
+  }
 
  private:
   using Weld = MeshTopology::Weld;
+  using Welds = std::array<Weld, 3>;
 
-  static Weld corner(const CollisionMesh& organ, TriangleId triangle, std::size_t i) {
-    return organ.topology().weld(organ.mesh().corners(triangle)[i]);
+  Welds weldsOf(const Corners& corners) const {
+    return {topology_.weld(corners[0]), topology_.weld(corners[1]), topology_.weld(corners[2])};
   }
 
-  void addAround(const CollisionMesh& organ, Weld vertex) {
-    for (const TriangleId id : organ.topology().trianglesAt(vertex)) {
-      for (const std::size_t i : {0, 1, 2}) {
-        if (corner(organ, id, i) == vertex) add(organ.mesh().triangle(id), i, Feature::kVertexA);
-      }
-    }
+  /// Without a branch, as none could be foreseen.
+  static std::size_t firstAt(Weld weld, const Welds& welds) {
+    return static_cast<std::size_t>(welds[0] != weld) *
+           (1 + static_cast<std::size_t>(welds[1] != weld));
   }
 
-  void addAlong(const CollisionMesh& organ, Weld from, Weld to) {
-    for (const TriangleId id : organ.topology().trianglesAt(from)) {
-      for (const std::size_t i : {0, 1, 2}) {
-        const Weld first = corner(organ, id, i);
-        const Weld second = corner(organ, id, (i + 1) % 3);
-        if ((first == from && second == to) || (first == to && second == from)) {
-          add(organ.mesh().triangle(id), i, Feature::kEdgeAB);
-        }
-      }
-    }
+  void add(const Wedge& wedge, double weight) {
+    well_shaped_ = well_shaped_ && wedge.well_shaped;
+    if (wedge.area > 0.0) normal_ += weight / wedge.area * wedge.across;
   }
 
-  /// Adds the normal of `triangle`, weighted by its angle at corner i where a vertex is asked for.
-  void add(const Triangle& triangle, std::size_t i, Feature kind) {
-    const std::array<const Eigen::Vector3d*, 3> corners = {&triangle.a, &triangle.b, &triangle.c};
-    Eigen::Vector3d to_next = *corners[(i + 1) % 3] - *corners[i];
-    Eigen::Vector3d to_last = *corners[(i + 2) % 3] - *corners[i];
-    if (!isSafe(squaredLength(to_next)) || !isSafe(squaredLength(to_last))) {
-      to_next = madeSafe(to_next);
-      to_last = madeSafe(to_last);
-    }
-    const Eigen::Vector3d across = to_next.cross(to_last);
-    const double squared_area = squaredLength(across);
-    well_shaped_ = well_shaped_ &&
-                   squared_area > kClear * kClear * squaredLength(to_next) * squaredLength(to_last);
-    if (squared_area == 0.0) return;
-    const double area = std::sqrt(squared_area);
-    const double weight = kind == Feature::kVertexA ? std::atan2(area, to_next.dot(to_last)) : 1.0;
-    normal_ += weight / area * across;
-  }
-
+  const MeshTopology& topology_;
+  const TriangleMesh& mesh_;
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
   bool well_shaped_ = true;
 };
 
-/// Turns a mesh that is inside out.
-double orientationFactor(const CollisionMesh& organ) {
-  return organ.health().inverted ? -1.0 : 1.0;
+SurfaceNormal normalOfFace(const TriangleMesh& mesh, const Corners& corners) {
+  const Wedge wedge = wedgeAt(mesh, corners, 0);
+  return {wedge.area > 0.0 ? Eigen::Vector3d(wedge.across / wedge.area) : wedge.across,
+          wedge.well_shaped};
+}
+
+/// Of a mesh that is not inside out.
+SurfaceNormal normalAt(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
+  const Corners& corners = organ.mesh().corners(triangle);
+  Fan fan(organ);
+  switch (feature) {
+    case Feature::kFace:
+      return normalOfFace(organ.mesh(), corners);
+    case Feature::kVertexA:
+    case Feature::kVertexB:
+    case Feature::kVertexC:
+      fan.addAround(corners[static_cast<std::size_t>(feature)]);
+      break;
+    case Feature::kEdgeAB:
+    case Feature::kEdgeBC:
+    case Feature::kEdgeCA: {
+      const auto first =
+          static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::kEdgeAB);
+      fan.addAlong(corners[first], corners[kNext[first]]);
+      break;
+    }
+  }
+  return fan.normal();
 }
 
 /// +1 or -1 where the line through `point` along x crosses the triangle with its normal along +x or
@@ -139,8 +164,9 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 }
 
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
-  const Fan fan(organ, triangle, feature);
-  return {orientationFactor(organ) * unit(fan.normal()), fan.isWellShaped()};
+  SurfaceNormal normal = normalAt(organ, triangle, feature);
+  if (organ.health().inverted) normal.direction = -normal.direction;
+  return normal;
 }
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
@@ -186,8 +212,11 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
   if (!health.box.contains(point)) return Side::kOutside;
   const double distance = largestCoordinate(closest.offset);
   const double extent = distance + largestCoordinate(health.box.high - health.box.low);
-  const double height = -unit(closest.offset).dot(normal.direction);
-  const bool clear = normal.is_clear && std::abs(height) > kClear && distance > 0x1p-30 * extent;
+  const Eigen::Vector3d offset =
+      isSafe(closest.squared_distance) ? closest.offset : madeSafe(closest.offset);
+  const double height = -offset.dot(normal.direction);
+  const bool clear = normal.is_clear && height * height > kClear * kClear * squaredLength(offset) &&
+                     distance > 0x1p-30 * extent;
   const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
 }

@@ -37,21 +37,23 @@ class TrackedSearch : private NearestSearch<Tip> {
       : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
 
   NearestTriangle run() {
-    this->followed = &memory_.followed;
     if (!isNear()) {
       memory_.valid = false;
-      this->followed = nullptr;
-      return withSign(this->organ_, NearestSearch<Tip>::run());
+      NearestTriangle nearest = NearestSearch<Tip>::run();
+      addSign(this->organ_, nearest);
+      return nearest;
     }
+    this->followed = &memory_.followed;
     if (!follow()) walk();
-    const NearestTriangle nearest = this->answer();
+    NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) {
       memory_.triangle = nearest.triangle;
       memory_.feature = nearest.closest.feature;
       memory_.normal = surfaceNormal(this->organ_, memory_.triangle, memory_.feature);
     }
     remember();
-    return withSign(this->organ_, nearest, memory_.normal);
+    addSign(this->organ_, memory_.normal, nearest);
+    return nearest;
   }
 
  private:

@@ -22,7 +22,7 @@ struct Box {
     high = high.cwiseMax(other.high);
   }
   bool contains(const Eigen::Vector3d& point) const {
-    return (low.array() <= point.array()).all() && (point.array() <= high.array()).all();
+    return (low - point).cwiseMax(point - high).maxCoeff() <= 0.0;
   }
 };
 

@@ -24,13 +24,15 @@ class MeshTopology {
   /// O(n), but where very many triangles meet; on all cores.
   explicit MeshTopology(const TriangleMesh& mesh);
 
-  Weld weld(VertexId vertex) const { return welds_[index(vertex)]; }
+  Weld weld(VertexId vertex) const {
+    return hasWelds() ? welds_[index(vertex)] : static_cast<Weld>(index(vertex));
+  }
   TriangleRange trianglesAt(Weld weld) const {
     return {triangles_at_.data() + offsets_[weld], triangles_at_.data() + offsets_[weld + 1]};
   }
 
   /// Some vertices were at the same position.
-  bool hasWelds() const { return representatives_.size() < welds_.size(); }
+  bool hasWelds() const { return !welds_.empty(); }
   bool closed() const { return closed_; }  ///< every edge has an even number of triangles
   bool consistentlyWound() const {
     return consistently_wound_;
@@ -54,7 +56,7 @@ class MeshTopology {
   void listTriangles(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
 
-  std::vector<Weld> welds_;                // of each vertex
+  std::vector<Weld> welds_;                // of each vertex; none if each has its own
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
   std::vector<std::uint32_t> offsets_;     // of each weld into triangles_at_, one more at the end
   std::vector<TriangleId> triangles_at_;
