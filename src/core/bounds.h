@@ -66,19 +66,6 @@ inline Lanes<Real> squaredDistanceOf(const LaneVector<Real>& low, const LaneVect
   return dot(gaps, gaps);
 }
 
-/// How far at most the lanes' boxes are from a box.
-template <class Real>
-inline Lanes<Real> squaredFarthest(const LaneVector<Real>& low, const LaneVector<Real>& high,
-                                   const Vector<Real>& tip_low, const Vector<Real>& tip_high) {
-  const auto span = [](const Lanes<Real>& lows, const Lanes<Real>& highs, Real from, Real to) {
-    return larger(Lanes<Real>::all(to) - lows, highs - Lanes<Real>::all(from));
-  };
-  const LaneVector<Real> spans = {span(low.x, high.x, tip_low.x, tip_high.x),
-                                  span(low.y, high.y, tip_low.y, tip_high.y),
-                                  span(low.z, high.z, tip_low.z, tip_high.z)};
-  return dot(spans, spans);
-}
-
 /// A bound in single precision that is not larger, and not below zero.
 inline float inFloat(float bound) { return bound > 0.0F ? bound : 0.0F; }
 inline float inFloat(double bound) {

@@ -283,8 +283,18 @@ inline Lanes<Real> select(const Truth<Real>& truth, const Lanes<Real>& a, const 
   return result;
 }
 
+/// Where `those` is true, the lesser of `bounds` and `least`; else `least`.
+template <class Real>
+inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
+                                const Lanes<Real>& least) {
+  return smaller(least, select(those, bounds, least));
+}
+
 inline std::uint32_t lowestBit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(__builtin_ctz(bits));
+}
+inline std::uint32_t highestBit(std::uint32_t bits) {
+  return 31 - static_cast<std::uint32_t>(__builtin_clz(bits));
 }
 
 }  // namespace

@@ -100,10 +100,6 @@ class PairWalk {
     if (search_.followed != nullptr && bound < search_.followed->clear)
       search_.followed->clear = bound;
   }
-  static Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
-                                  const Lanes<Real>& least) {
-    return smaller(least, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
-  }
 
   /// What every bound gives away where sets of these radii are so far apart; see above.
   Real roundingOf(float radius_of_first, float radius_of_second, Real apart) const {

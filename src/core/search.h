@@ -38,7 +38,7 @@ struct Search {
   std::uint32_t corner_count;
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
-  WaitingSets stack;        ///< room for 7 to a level, and 9
+  WaitingSets stack;        ///< room for 7 to a level, and 16
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/bounds.h"
-#include "core/candidates.h"
 #include "core/gap.h"
 #include "core/packet_range.h"
 #include "core/search.h"
@@ -11,10 +10,11 @@
 namespace organ_collision::core {
 namespace {
 
-/// A triangle that may be nearest.
-struct Candidate {
-  float bound;
-  std::uint32_t leaf;
+/// Triangles of a packet that may be nearest, by lanes.
+template <class Real>
+struct CandidateLanes {
+  Lanes<Real> bounds;  ///< infinite for the others
+  std::uint32_t first_leaf;
 };
 
 /// Of a tip of one, two or three corners.
@@ -38,23 +38,17 @@ class Walk {
   }
 
   void run() {
+    constexpr std::uint32_t kRoot = 0;
     Stack stack(search_.stack);
-    stack.push(0.0F, 0);
-    while (!stack.isEmpty() && search_.leaves_left > 0) {
-      const float square = stack.square();
-      std::uint32_t set = stack.set();
-      stack.pop();
-      if (static_cast<Real>(square) > squared_reach_) {
-        leaveOutBox(square);
-        continue;
-      }
+    for (std::uint32_t set = kRoot; set != kNoSet;
+         set = stack.take(search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity},
+                          boxes_left_out_)) {
       while ((set & kPacketBit) == 0) set = open(search_.nodes[set], stack);
       if (set == kNoSet) continue;
       const std::uint32_t packet = set & ~kPacketBit;
       note(packet,
            isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]));
     }
-    for (; !stack.isEmpty(); stack.pop()) leaveOutBox(stack.square());
     if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
     finish();
   }
@@ -86,16 +80,13 @@ class Walk {
   }
 
   void leaveOutBoxes() {
-    const Real least = leastOf(boxes_left_out_);
-    const Real square = least < box_left_out_ ? least : box_left_out_;
-    const double box = rootOf(square) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
+    const double box = rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
     if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
     leaveOut(box);
   }
 
   void finish() {
     measureCandidates();
-    if (promised_) measure(promised_leaf_);
     if (!isExact()) leaveOut(leastOf(left_out_));
     if (isExact() || search_.unopened >= search_.best) search_.unopened = kInfinity;
   }
@@ -154,25 +145,8 @@ class Walk {
     squared_reach_ = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
   }
 
-  /// Before a triangle is known: a box holds one. Axes a trifle shorter than 1 make it look nearer.
-  void lowerCeiling(Real squared_farthest) {
-    constexpr Real kTurnedBack = 1 + Real{0x1p-19F};
-    const Real box_reach = kTurnedBack * rootOf(squared_farthest) +
-                           static_cast<Real>(search_.slack) + 2 * box_rounding_;
-    const Real square = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
-    squared_reach_ = square < squared_reach_ ? square : squared_reach_;
-  }
-
   void leaveOut(double bound) {
     if (bound < search_.unopened) search_.unopened = bound;
-  }
-  void leaveOutBox(float square) {
-    box_left_out_ =
-        static_cast<Real>(square) < box_left_out_ ? static_cast<Real>(square) : box_left_out_;
-  }
-  static Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bounds,
-                                  const Lanes<Real>& least) {
-    return smaller(least, select(those, bounds, Lanes<Real>::all(Real{kFloatInfinity})));
   }
 
   /// The box of the tip in a node's or packet's coordinates; how far it is from the origin.
@@ -203,8 +177,6 @@ class Walk {
     const LaneVector<Real> boxes_high = load<Real>(node.high);
     Vector<Real> low, high;
     tipBox(node.origin, turn, low, high);
-    if (search_.best == kInfinity)
-      lowerCeiling(leastOf(squaredFarthest(boxes_low, boxes_high, low, high)));
     const Lanes<Real> squares = squaredDistanceOf(boxes_low, boxes_high, low, high);
     if constexpr (kCorners == 2) {
       const Lanes<Real> gaps =
@@ -231,7 +203,7 @@ class Walk {
     if (count == 0) return kNoSet;
     stack.push(node, keys, count);
     stack.pop();
-    if (search_.fetches && !stack.isEmpty()) fetch(search_, stack.set());
+    if (search_.fetches && stack.set() != kNoSet) fetch(search_, stack.set());
     return setIn(node, leastOf(keys) & kLaneBits);
   }
 
@@ -305,29 +277,27 @@ class Walk {
     }
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
     left_out_ = leastOfThose(used & !matter, bounds, left_out_);
-    Real bound[kLaneCount];
-    bounds.store(bound);
-    bool may_meet = false;
-    for (std::uint32_t rest = matter.bits(); rest != 0; rest &= rest - 1) {
-      const std::uint32_t lane = lowestBit(rest);
-      if (candidates_.isFull()) measureCandidates();
-      candidates_.add({inFloat(bound[lane]), packet.first_leaf + lane});
-      may_meet = may_meet || bound[lane] <= 0;
-    }
-    if (!kIsPoint && may_meet) measureCandidates();  // then hardly anything else matters
-    return select(used, bounds, Lanes<Real>::all(Real{kFloatInfinity}));
+    const Lanes<Real> infinite = Lanes<Real>::all(Real{kFloatInfinity});
+    candidates_[candidate_count_] = {select(matter, bounds, infinite), packet.first_leaf};
+    candidate_count_ += matter.bits() != 0 ? 1 : 0;
+    const bool may_meet = !kIsPoint && (matter & (bounds <= Lanes<Real>{})).bits() != 0;
+    if (may_meet || candidate_count_ == kMostCandidates) measureCandidates();
+    return select(used, bounds, infinite);
   }
 
-  /// Measures exactly what still may be nearest.
+  /// Measures exactly what still may be nearest, first what seems to be.
   void measureCandidates() {
-    while (!candidates_.isEmpty()) {
-      const Candidate candidate = candidates_.takeNearest();
-      if (static_cast<Real>(candidate.bound) > reach_) {
-        leaveOut(candidate.bound);
-      } else if (candidate.leaf != search_.best_leaf) {
-        measure(candidate.leaf);
+    if (promised_) measure(promised_leaf_);
+    for (std::uint32_t i = 0; i < candidate_count_; ++i) {
+      const auto& [bounds, first_leaf] = candidates_[i];
+      const Truth<Real> within = bounds <= Lanes<Real>::all(reach_);
+      left_out_ = leastOfThose(!within, bounds, left_out_);
+      for (std::uint32_t rest = within.bits(); rest != 0; rest &= rest - 1) {
+        const std::uint32_t leaf = first_leaf + lowestBit(rest);
+        if (leaf != search_.best_leaf) measure(leaf);
       }
     }
+    candidate_count_ = 0;
   }
 
   double measure(std::uint32_t leaf) {
@@ -343,10 +313,12 @@ class Walk {
   Real box_rounding_;   // of the distance to any box
   Real reach_;          // what is farther is left out
   Real squared_reach_;  // a box with that
-  Lanes<Real> boxes_left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // their nearest, squared
-  Real box_left_out_ = Real{kFloatInfinity};  // the nearest of those that waited, squared
+  Lanes<Real> boxes_left_out_ =
+      Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of those, squared
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest triangle of them
-  Candidates<Candidate> candidates_;
+  static constexpr std::uint32_t kMostCandidates = 16;
+  CandidateLanes<Real> candidates_[kMostCandidates];
+  std::uint32_t candidate_count_ = 0;
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;
 };

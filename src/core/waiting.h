@@ -92,19 +92,39 @@ inline Sets setsOf(const WideNode& node, const Keys& lanes) {
   return (is_packet ? packets : nodes) + reinterpret_cast<Sets>(lanes);
 }
 
+/// At its bottom is kNoSet, nearer than anything, and below that nothing that is taken.
 class Stack {
  public:
-  explicit Stack(const WaitingSets& room) : squares_(room.squares), sets_(room.sets) {}
+  explicit Stack(const WaitingSets& room) : squares_(room.squares), sets_(room.sets) {
+    for (int i = 0; i < kLanes; ++i) squares_[i] = -kFloatInfinity;
+    sets_[kLanes - 1] = kNoSet;
+  }
 
-  bool isEmpty() const { return count_ == 0; }
-  /// The one on top: its bound, squared, and its number.
-  float square() const { return squares_[count_ - 1]; }
+  /// The one on top.
   std::uint32_t set() const { return sets_[count_ - 1]; }
   void pop() { --count_; }
-  void push(float square, std::uint32_t set) {
-    squares_[count_] = square;
-    sets_[count_++] = set;
+
+  /// Takes the topmost whose bound, squared, is at most `square`. Those above are dropped; of their
+  /// bounds, squared, the least joins `dropped`.
+  template <class Real>
+  std::uint32_t take(Real square, Lanes<Real>& dropped) {
+    for (;; count_ -= kLanes) {
+      alignas(kVectorBytes) float top[kLanes];
+      __builtin_memcpy(top, squares_ + count_ - kLanes, sizeof(top));
+      const Lanes<Real> squares = Lanes<Real>::load(top);
+      const std::uint32_t within = (squares <= Lanes<Real>::all(square)).bits();
+      if (within == 0) {
+        dropped = smaller(dropped, squares);
+        continue;
+      }
+      const std::uint32_t lane = highestBit(within);
+      const Truth<Real> kept = Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(lane));
+      dropped = leastOfThose(!kept, squares, dropped);
+      count_ = count_ - kLanes + lane;
+      return sets_[count_];
+    }
   }
+
   /// The sets in a node's lanes, the nearest on top; those with keys below 0 are left out.
   void push(const WideNode& node, const Keys& keys, std::uint32_t count) {
     const Keys order = sorted(keys);
@@ -118,7 +138,7 @@ class Stack {
  private:
   float* squares_;
   std::uint32_t* sets_;
-  std::uint32_t count_ = 0;
+  std::uint32_t count_ = kLanes;
 };
 
 /// The set in a lane of a node, without a branch on whether it is a packet.
