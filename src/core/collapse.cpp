@@ -1,5 +1,7 @@
 #include "core/collapse.h"
 
+#include <tbb/parallel_for_each.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -7,6 +9,7 @@
 namespace organ_collision::core {
 namespace {
 
+constexpr std::uint32_t kTask = 1024;    // leaves
 constexpr float kPacketCost = 1.3F;      // of a node's
 constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
 
@@ -14,15 +17,36 @@ constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
 
 Collapse::Collapse(const FarthestPairTree& tree, const Points& centroids)
     : tree_(tree), costs_(centroids.size() - 1) {
+  std::vector<Set> tasks;
+  const std::vector<Set> above = setsBelow(tree.root(), kTask, tasks);
+  tbb::parallel_for_each(tasks, [&](const Set& task) {
+    std::vector<Set> leaves;
+    weighUpwards(setsBelow(task, 1, leaves), centroids);
+  });
+  weighUpwards(above, centroids);
+}
+
+/// A set and all those below it that have more than `least` leaves, parents first; those of up to
+/// `least` below them are added to `rest`.
+std::vector<Collapse::Set> Collapse::setsBelow(const Set& top, std::uint32_t least,
+                                               std::vector<Set>& rest) const {
   std::vector<Set> sets;
-  std::vector<Set> pending = {tree.root()};
+  std::vector<Set> pending = {top};
   while (!pending.empty()) {
     const Set set = pending.back();
     pending.pop_back();
-    if (set.isLeaf()) continue;
+    if (set.size() <= least) {
+      rest.push_back(set);
+      continue;
+    }
     sets.push_back(set);
-    for (const Set& child : tree.children(set)) pending.push_back(child);
+    for (const Set& child : tree_.children(set)) pending.push_back(child);
   }
+  return sets;
+}
+
+/// REQUIRES: parents come first.
+void Collapse::weighUpwards(const std::vector<Set>& sets, const Points& centroids) {
   for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
 }
 

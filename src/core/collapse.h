@@ -20,7 +20,7 @@ class Collapse {
   using Leaf = FarthestPairTree::Leaf;
   using Set = FarthestPairTree::Set;
 
-  /// `centroids` of the leaves, in the unit frame. O(n).
+  /// `centroids` of the leaves, in the unit frame. O(n), on all cores.
   Collapse(const FarthestPairTree& tree, const Points& centroids);
 
   struct Leaves {
@@ -44,6 +44,8 @@ class Collapse {
   };
 
   bool isPacket(const Set& set) const;
+  std::vector<Set> setsBelow(const Set& top, std::uint32_t least, std::vector<Set>& rest) const;
+  void weighUpwards(const std::vector<Set>& sets, const Points& centroids);
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;

@@ -1,7 +1,10 @@
 #include "organ_collision/core/collision_mesh.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace organ_collision::core {
@@ -21,10 +24,24 @@ bool isOnFace(const Eigen::Vector3d& point, const Box& box) {
 
 }  // namespace
 
-CollisionMesh::CollisionMesh(TriangleMesh mesh)
-    : mesh_(std::move(mesh)),
-      topology_(std::make_shared<const MeshTopology>(mesh_)),
-      tree_(mesh_),
+/// What needs the mesh alone, made side by side.
+struct CollisionMesh::Parts {
+  explicit Parts(TriangleMesh whole) : mesh(std::move(whole)) {
+    tbb::parallel_invoke([this] { topology = std::make_shared<const MeshTopology>(mesh); },
+                         [this] { tree.emplace(mesh); });
+  }
+
+  TriangleMesh mesh;
+  std::shared_ptr<const MeshTopology> topology;
+  std::optional<FarthestPairTree> tree;
+};
+
+CollisionMesh::CollisionMesh(TriangleMesh mesh) : CollisionMesh(Parts(std::move(mesh))) {}
+
+CollisionMesh::CollisionMesh(Parts parts)
+    : mesh_(std::move(parts.mesh)),
+      topology_(std::move(parts.topology)),
+      tree_(std::move(*parts.tree)),
       wide_tree_(tree_, mesh_, unitFrame(boxOf(mesh_))),
       health_() {
   updateHealth(boxOf(mesh_));

@@ -162,6 +162,7 @@ class Diameter {
       lowest = std::min(lowest, end.index);
     }
     Members left;
+    left.reserve(others.size());
     std::copy_if(others.begin(), others.end(), std::back_inserter(left), [&](const Member& other) {
       const double bound = largestSquaredDistance(box, other.place);
       return isBetter(pairOf(lowest, other.index, bound), best_);

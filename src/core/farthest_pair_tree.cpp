@@ -153,7 +153,7 @@ class FarthestPairTree::Builder {
     Set set;
     std::size_t depth;
   };
-  static constexpr std::uint32_t kTask = 4096;  // leaves that are worth a task
+  static constexpr std::uint32_t kTask = 512;  // leaves that are worth a task
 
   /// Not by recursion: exponentially spaced triangles go some hundreds deep.
   void splitAll(const Pending& whole) {

@@ -34,10 +34,10 @@ Box requireAllUsable(const Points& positions) {
 
 /// (low + high) + middle: the same bits for every order of the three, and for their negatives.
 double sumInAnyOrder(double p, double q, double r) {
-  const double low = std::min({p, q, r});
-  const double high = std::max({p, q, r});
-  const double middle = std::max(std::min(p, q), std::min(std::max(p, q), r));
-  return (low + high) + middle;
+  const double lower = std::min(p, q);
+  const double higher = std::max(p, q);
+  const double middle = std::max(lower, std::min(higher, r));
+  return (std::min(lower, r) + std::max(higher, r)) + middle;
 }
 
 }  // namespace

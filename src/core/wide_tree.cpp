@@ -62,9 +62,17 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   Vector3d mean = Vector3d::Zero();
   for (std::size_t i = 0; i < count; ++i) mean += points[i];
   mean /= static_cast<double>(count);
-  Matrix3d covariance = Matrix3d::Zero();
-  for (std::size_t i = 0; i < count; ++i)
-    covariance += (points[i] - mean) * (points[i] - mean).transpose();
+  Vector3d squares = Vector3d::Zero();
+  Vector3d products = Vector3d::Zero();  // y*z, z*x, x*y
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d offset = points[i] - mean;
+    squares += offset.cwiseAbs2();
+    products += Vector3d(offset.y() * offset.z(), offset.z() * offset.x(), offset.x() * offset.y());
+  }
+  Matrix3d covariance;
+  covariance << squares.x(), products.z(), products.y(),  //
+      products.z(), squares.y(), products.x(),            //
+      products.y(), products.x(), squares.z();
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 

@@ -41,6 +41,10 @@ class CollisionMesh {
   std::size_t memory() const;  ///< [bytes] of mesh, hierarchy and topology
 
  private:
+  struct Parts;
+
+  explicit CollisionMesh(Parts parts);
+
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
   void refitAll(const Box& box);
   bool isVolumeDoubtful() const;
