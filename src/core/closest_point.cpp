@@ -148,7 +148,8 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.left, view.right, best);
 }
 
-/// Most triangles are well shaped: where the query is above such a face, no edge is nearer.
+/// Most triangles are well shaped: where the query is above such a face, no edge is nearer; where
+/// it is not, nothing inside is.
 void considerBeyondBase(const View& view, Candidate& best) {
   const std::optional<Vector2d> plain =
       plainPlaneCoordinates(-view.base.offset, view.to_left, view.to_right);

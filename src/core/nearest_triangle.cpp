@@ -13,7 +13,7 @@ WaitingSets scratch(std::size_t depth) {
   thread_local std::vector<float> squares;
   thread_local std::vector<std::uint32_t> sets;
   // Eight at the bottom; opening a node writes eight, of which one is taken at once.
-  const std::size_t room = 2 * kLaneCount + (kLaneCount - 1) * depth;
+  const std::size_t room = kLaneCount + kLaneCount + (kLaneCount - 1) * depth;
   if (squares.size() < room) {
     squares.resize(room);
     sets.resize(room);

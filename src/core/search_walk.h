@@ -142,7 +142,8 @@ class Walk {
     const double less = search_.best - search_.allowance;
     reach_ = static_cast<Real>(share < less ? share : less);
     const Real box_reach = reach_ + static_cast<Real>(search_.slack) + box_rounding_;
-    squared_reach_ = box_reach * box_reach * (1 + 16 * kRoundoff<Real>);
+    squared_reach_ =
+        box_reach > 0 ? box_reach * box_reach * (1 + 16 * kRoundoff<Real>) : Real{-1};  // no box
   }
 
   void leaveOut(double bound) {

@@ -73,7 +73,7 @@ class Fan {
     for (const TriangleId id : topology_.trianglesAt(from)) {
       const Corners& corners = mesh_.corners(id);
       const Welds welds = weldsOf(corners);
-      if ((welds[0] == to) | (welds[1] == to) | (welds[2] == to))
+      if (std::count(welds.begin(), welds.end(), to) > 0)
         add(wedgeAt(mesh_, corners, firstAt(from, welds)), 1.0);
     }
   }

@@ -89,6 +89,15 @@ TEST(Accuracy, AnErrorThatIsAllowedIsUsedToStopEarly) {
   EXPECT_LT(nearestTriangle(organ, far, {0, 0, 4}).work.bounds, exact / 2);
 }
 
+TEST(Accuracy, AnErrorLargerThanAnyLengthIsKept) {
+  const CollisionMesh organ(test::cube(1e-10));
+  const Accuracy any = {0, 1e308, 0};  // infinite, in sizes of the organ
+  for (const double height : {0.0, 1e-11, 1e-9, 1.0, 1e30}) {
+    const Eigen::Vector3d tip(0, 0, height);
+    expectPromises(nearestTriangle(organ, tip, any), any, truth(organ, tip), rounding(organ, tip));
+  }
+}
+
 TEST(Accuracy, ApproximateAnswersClaimASignOnlyOutsideTheBox) {
   const CollisionMesh organ(test::blob(4));
   EXPECT_TRUE(nearestTriangle(organ, Eigen::Vector3d(1, 1, 1), Accuracy::greedy()).distance_signed);
