@@ -66,6 +66,14 @@ inline Lanes<Real> squaredDistanceOf(const LaneVector<Real>& low, const LaneVect
   return dot(gaps, gaps);
 }
 
+/// What is farther than this cannot improve on `best` by more than is allowed. `best` and the
+/// allowance may both be infinite: then nothing is too far.
+inline double allowedReach(double best, double share, double allowance) {
+  const double less = best - allowance;
+  const double shared = best * share;
+  return less < shared ? less : shared;
+}
+
 /// A bound in single precision that is not larger, and not below zero.
 inline float inFloat(float bound) { return bound > 0.0F ? bound : 0.0F; }
 inline float inFloat(double bound) {

@@ -26,12 +26,13 @@ bool isOnFace(const Eigen::Vector3d& point, const Box& box) {
 
 /// What needs the mesh alone, made side by side.
 struct CollisionMesh::Parts {
-  explicit Parts(TriangleMesh whole) : mesh(std::move(whole)) {
+  explicit Parts(TriangleMesh whole) : mesh(std::move(whole)), box(boxOf(mesh)) {
     tbb::parallel_invoke([this] { topology = std::make_shared<const MeshTopology>(mesh); },
                          [this] { tree.emplace(mesh); });
   }
 
   TriangleMesh mesh;
+  Box box;
   std::shared_ptr<const MeshTopology> topology;
   std::optional<FarthestPairTree> tree;
 };
@@ -42,9 +43,9 @@ CollisionMesh::CollisionMesh(Parts parts)
     : mesh_(std::move(parts.mesh)),
       topology_(std::move(parts.topology)),
       tree_(std::move(*parts.tree)),
-      wide_tree_(tree_, mesh_, unitFrame(boxOf(mesh_))),
+      wide_tree_(tree_, mesh_, unitFrame(parts.box)),
       health_() {
-  updateHealth(boxOf(mesh_));
+  updateHealth(parts.box);
 }
 
 void CollisionMesh::refitAll(const Box& box) {

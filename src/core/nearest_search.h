@@ -81,7 +81,7 @@ class NearestSearch : protected Search {
       return static_cast<NearestSearch&>(search).measure(leaf);
     };
     share = 1.0 / (1.0 + accuracy.max_relative_error);
-    allowance = std::min(accuracy.max_absolute_error * scale_, std::numeric_limits<double>::max());
+    allowance = accuracy.max_absolute_error * scale_;
     best = unopened = std::numeric_limits<double>::infinity();
     best_leaf = std::numeric_limits<std::uint32_t>::max();
   }

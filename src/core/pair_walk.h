@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/bounds.h"
-#include "core/candidates.h"
 #include "core/gap.h"
 #include "core/lane_boxes.h"
 #include "core/open_set.h"
+#include "core/pair_candidates.h"
 #include "core/pair_search.h"
 #include "core/waiting.h"
 
@@ -16,12 +16,6 @@
 // off by 16*u*(t + 2*r) more, those of triangles as gap.h says. Together below 64*u*t + 2^-15*r.
 namespace organ_collision::core {
 namespace {
-
-/// Triangles that may be the nearest two and wait to be measured.
-struct PairCandidate {
-  float bound;
-  std::uint32_t leaf_of_first, leaf_of_second;
-};
 
 template <class Real>
 class PairWalk {
@@ -63,9 +57,7 @@ class PairWalk {
 
  private:
   void look() {
-    const double share = search_.best * search_.share;
-    const double less = search_.best - search_.allowance;
-    reach_ = static_cast<Real>(share < less ? share : less);
+    reach_ = static_cast<Real>(allowedReach(search_.best, search_.share, search_.allowance));
     reach_of_sets_ = reach_ + static_cast<Real>(search_.slack);
   }
 
@@ -339,7 +331,7 @@ class PairWalk {
   Real reach_of_sets_;  // sets with that
   Lanes<Real> sets_left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of them
   Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});       // the nearest triangles
-  Candidates<PairCandidate> candidates_;
+  PairCandidates candidates_;
   const TrianglePacket* turned_packet_ = nullptr;
   LaneTriangles<Real> turned_;
   bool promised_ = false;  // search_.best is owed to a pair that was not measured

@@ -138,9 +138,7 @@ class Walk {
   }
 
   void look() {
-    const double share = search_.best * search_.share;
-    const double less = search_.best - search_.allowance;
-    reach_ = static_cast<Real>(share < less ? share : less);
+    reach_ = static_cast<Real>(allowedReach(search_.best, search_.share, search_.allowance));
     const Real box_reach = reach_ + static_cast<Real>(search_.slack) + box_rounding_;
     squared_reach_ =
         box_reach > 0 ? box_reach * box_reach * (1 + 16 * kRoundoff<Real>) : Real{-1};  // no box

@@ -3,6 +3,7 @@
 import concurrent.futures
 import functools
 import os
+import random
 import signal
 import subprocess
 import tempfile
@@ -19,6 +20,7 @@ from organ_collision.msg import MeshInfoArray
 LONGEST_START = 10.0  # [s]
 LIVER = "package://organ_collision/meshes/liver.obj"
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+GARBAGE = random.Random(1).randbytes(1000)
 NODE = roslib.packages.find_node("organ_collision", "organ_collision_node")[0]
 
 
@@ -62,13 +64,13 @@ def bad_meshes(folder):
           "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     points = "0 0 0\n1 0 0\n0 1 0\n"
     return {
-        "empty": (bad("empty.obj", ""), "empty"),
+        "empty": (bad("nothing.obj", ""), "is empty"),
         "without_triangles": (bad("points.obj", "v 0 0 0\nv 1 0 0\n"), "triangle"),
-        "not_a_mesh": (bad("garbage.obj", os.urandom(1000)), ""),
-        "not_a_ply": (bad("garbage.ply", os.urandom(1000)), ""),
-        "not_an_stl": (bad("garbage.stl", os.urandom(1000)), ""),
+        "not_a_mesh": (bad("garbage.obj", GARBAGE), ""),
+        "not_a_ply": (bad("garbage.ply", GARBAGE), ""),
+        "not_an_stl": (bad("garbage.stl", GARBAGE), ""),
         "not_a_collada": (bad("garbage.dae", "<COLLADA><mesh"), ""),
-        "of_unknown_kind": (bad("garbage.docx", os.urandom(1000)), ""),
+        "of_unknown_kind": (bad("garbage.docx", GARBAGE), ""),
         "nan_vertex": (bad("nan.obj", TRIANGLE.replace("v 1 0 0", "v nan 0 0")), "(nan, "),
         "infinite_vertex": (bad("infinite.obj", TRIANGLE.replace("v 1 0 0", "v inf 0 0")), "(inf, "),
         "index_out_of_range": (bad("index.obj", TRIANGLE.replace("f 1 2 3", "f 1 2 4")), "vertex 3 of 3"),
@@ -116,7 +118,7 @@ def bad_scenes(folder):
         "no_frame": (scene(organs=[{"name": "liver", "mesh": LIVER}]), ["scene.organs[0].frame"]),
         "no_mesh": (scene(organs=[{"name": "liver", "frame": "liver"}]), ["scene.organs[0]", "mesh"]),
         "negative_scale": (scene(organs=[organ(scale=-1.0)]), ["scene.organs[0].scale", "-1"]),
-        "zero_rate": (scene(rate=0), ["scene.rate", "0"]),
+        "zero_rate": (scene(rate=0), ["scene.rate: 0,"]),
         "rate_in_words": (scene(rate="fast"), ["scene.rate", "fast"]),
         "negative_stale_after": (scene(stale_after=-0.1), ["scene.stale_after", "-0.1"]),
         "negative_max_distance": (scene(max_distance=-1), ["scene.max_distance", "-1"]),

@@ -5,27 +5,32 @@
 namespace organ_collision::core {
 namespace {
 
-/// What may be nearest and waits to be measured. An Item has a lower bound of its distance.
-template <class Item>
-class Candidates {
+/// Triangles that may be the nearest two.
+struct PairCandidate {
+  float bound;  ///< of their distance, from below
+  std::uint32_t leaf_of_first, leaf_of_second;
+};
+
+/// Those that wait to be measured.
+class PairCandidates {
  public:
   bool isEmpty() const { return count_ == 0; }
   bool isFull() const { return count_ == kMost; }
   /// REQUIRES: it is not full.
-  void add(const Item& item) { items_[count_++] = item; }
+  void add(const PairCandidate& item) { items_[count_++] = item; }
   /// REQUIRES: it is not empty.
-  Item takeNearest() {
+  PairCandidate takeNearest() {
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 1; i < count_; ++i)
       if (items_[i].bound < items_[nearest].bound) nearest = i;
-    const Item taken = items_[nearest];
+    const PairCandidate taken = items_[nearest];
     items_[nearest] = items_[--count_];
     return taken;
   }
 
  private:
   static constexpr std::uint32_t kMost = 16;
-  Item items_[kMost];
+  PairCandidate items_[kMost];
   std::uint32_t count_ = 0;
 };
 
