@@ -293,9 +293,6 @@ inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bou
 inline std::uint32_t lowestBit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(__builtin_ctz(bits));
 }
-inline std::uint32_t highestBit(std::uint32_t bits) {
-  return 31 - static_cast<std::uint32_t>(__builtin_clz(bits));
-}
 
 }  // namespace
 }  // namespace organ_collision::core

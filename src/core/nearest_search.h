@@ -43,8 +43,8 @@ class TriangleTip {
   Eigen::Vector3d centroid_;
 };
 
-/// Room for the sets that wait while a tree of that depth is searched; the calling thread's.
-WaitingSets scratch(std::size_t depth);
+/// Room for what waits while a tree of that depth is searched; the calling thread's.
+WaitingLanes* scratch(std::size_t depth);
 
 /// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
 constexpr double kBeyond = 0x1p400;

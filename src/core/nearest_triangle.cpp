@@ -9,16 +9,10 @@
 
 namespace organ_collision::core {
 
-WaitingSets scratch(std::size_t depth) {
-  thread_local std::vector<float> squares;
-  thread_local std::vector<std::uint32_t> sets;
-  // Eight at the bottom; opening a node writes eight, of which one is taken at once.
-  const std::size_t room = kLaneCount + kLaneCount + (kLaneCount - 1) * depth;
-  if (squares.size() < room) {
-    squares.resize(room);
-    sets.resize(room);
-  }
-  return {squares.data(), sets.data()};
+WaitingLanes* scratch(std::size_t depth) {
+  thread_local std::vector<WaitingLanes> room;
+  if (room.size() < depth) room.resize(depth);
+  return room.data();
 }
 
 void addSign(const CollisionMesh& organ, NearestTriangle& nearest) {

@@ -10,10 +10,10 @@ namespace organ_collision::core {
 /// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
 constexpr double kFar = 8.0;
 
-/// Room for sets that wait.
-struct WaitingSets {
-  float* squares;  ///< lower bounds of their distances, squared
-  std::uint32_t* sets;
+/// What waits of a node that was opened.
+struct alignas(64) WaitingLanes {
+  std::array<std::int32_t, kLaneCount> keys;   ///< see keysOf(); -1: nothing waits in the lane
+  std::array<std::uint32_t, kLaneCount> sets;  ///< of all lanes
 };
 
 /// The packets that may hold what is nearest to a tip while it moves. Bounds are kept as they were
@@ -38,7 +38,7 @@ struct Search {
   std::uint32_t corner_count;
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
-  WaitingSets stack;        ///< room for 7 to a level, and 16
+  WaitingLanes* stack;      ///< room for one to a level
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its

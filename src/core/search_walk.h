@@ -197,13 +197,11 @@ class Walk {
     boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
     const Keys used = kLaneNumbers < static_cast<std::int32_t>(node.lane_count);
     const Keys keys = (chosenBy(matter) & used) != 0 ? keysOf(squares) : -1 - Keys{};
-    const std::uint32_t count = static_cast<std::uint32_t>(
-        __builtin_popcount(matter.bits() & ((1U << node.lane_count) - 1)));
-    if (count == 0) return kNoSet;
-    stack.push(node, keys, count);
-    stack.pop();
-    if (search_.fetches && stack.set() != kNoSet) fetch(search_, stack.set());
-    return setIn(node, leastOf(keys) & kLaneBits);
+    const std::uint32_t nearest = leastOf(keys);
+    if (nearest == kNoKey) return kNoSet;
+    const std::uint32_t next = stack.push(node, without(nearest, keys));
+    if (search_.fetches && next != kNoKey) fetch(search_, setIn(node, next & kLaneBits));
+    return setIn(node, nearest & kLaneBits);
   }
 
   Range<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {

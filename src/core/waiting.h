@@ -3,7 +3,7 @@
 #include "core/bounds.h"
 #include "core/search.h"
 
-// Sets that wait to be looked at, the nearest of a node on top.
+// Sets that wait to be looked at.
 namespace organ_collision::core {
 namespace {
 
@@ -15,6 +15,7 @@ using Sets __attribute__((vector_size(kLanes * sizeof(std::uint32_t)))) = std::u
 
 constexpr Keys kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::int32_t kLaneBits = 7;
+constexpr std::uint32_t kNoKey = ~0U;
 
 /// The lanes' bounds in an order that integers keep, with the lanes' numbers in the last bits.
 /// REQUIRES: none is negative.
@@ -64,81 +65,67 @@ inline std::uint32_t leastOf(const Keys& keys) {
   return least[0];
 }
 
-/// Compares each lane with another one, which keeps the larger in front.
-template <int... kOther>
-inline Keys exchange(const Keys& keys) {
-  constexpr Keys kOthers = {kOther...};
-  const Keys others = ORGAN_COLLISION_SHUFFLE(keys, kOther...);
-  const Keys larger = keys > others ? keys : others;
-  const Keys smaller = keys > others ? others : keys;
-  return kOthers > kLaneNumbers ? larger : smaller;
-}
-
-/// The largest first. Source: K. Batcher, "Sorting networks and their applications" (1968).
-inline Keys sorted(Keys keys) {
-  keys = exchange<1, 0, 3, 2, 5, 4, 7, 6>(keys);
-  keys = exchange<2, 3, 0, 1, 6, 7, 4, 5>(keys);
-  keys = exchange<0, 2, 1, 3, 4, 6, 5, 7>(keys);
-  keys = exchange<4, 5, 6, 7, 0, 1, 2, 3>(keys);
-  keys = exchange<0, 1, 4, 5, 2, 3, 6, 7>(keys);
-  return exchange<0, 2, 1, 4, 3, 6, 5, 7>(keys);
-}
-
-/// The sets in lanes of a node.
-inline Sets setsOf(const WideNode& node, const Keys& lanes) {
-  const Keys is_packet = lanes >= static_cast<std::int32_t>(node.node_count);
+/// The sets in the lanes of a node.
+inline Sets setsOf(const WideNode& node) {
+  const Keys is_packet = kLaneNumbers >= static_cast<std::int32_t>(node.node_count);
   const Sets nodes = node.first_node - Sets{};
   const Sets packets = node.first_packet - node.node_count + kPacketBit - Sets{};
-  return (is_packet ? packets : nodes) + reinterpret_cast<Sets>(lanes);
+  return (is_packet ? packets : nodes) + reinterpret_cast<Sets>(kLaneNumbers);
 }
 
-/// At its bottom is kNoSet, nearer than anything, and below that nothing that is taken.
+/// The bound in a key, a trifle less than it was; not a number where there is none.
+inline float boundIn(std::uint32_t key) {
+  const std::uint32_t bits = key & ~static_cast<std::uint32_t>(kLaneBits);
+  float bound = 0.0F;
+  __builtin_memcpy(&bound, &bits, sizeof(bound));
+  return bound;
+}
+
+/// The keys without one of them.
+inline Keys without(std::uint32_t key, const Keys& keys) {
+  return keys == static_cast<std::int32_t>(key) ? -1 - Keys{} : keys;
+}
+
+/// Node by node, the last on top; of a node the nearest comes first.
 class Stack {
  public:
-  explicit Stack(const WaitingSets& room) : squares_(room.squares), sets_(room.sets) {
-    for (int i = 0; i < kLanes; ++i) squares_[i] = -kFloatInfinity;
-    sets_[kLanes - 1] = kNoSet;
+  explicit Stack(WaitingLanes* room) : end_(room), room_(room) {}
+
+  /// The lanes of a node that have keys. Returns the least key.
+  std::uint32_t push(const WideNode& node, const Keys& keys) {
+    const Sets sets = setsOf(node);
+    __builtin_memcpy(&end_->keys, &keys, sizeof(keys));
+    __builtin_memcpy(&end_->sets, &sets, sizeof(sets));
+    const std::uint32_t nearest = leastOf(keys);
+    end_ += nearest != kNoKey ? 1 : 0;
+    return nearest;
   }
 
-  /// The one on top.
-  std::uint32_t set() const { return sets_[count_ - 1]; }
-  void pop() { --count_; }
-
-  /// Takes the topmost whose bound, squared, is at most `square`. Those above are dropped; of their
-  /// bounds, squared, the least joins `dropped`.
+  /// The nearest of the topmost node, if its bound, squared, is at most `square`. Nodes without are
+  /// dropped; of their bounds, squared, the least joins `dropped`.
   template <class Real>
   std::uint32_t take(Real square, Lanes<Real>& dropped) {
-    for (;; count_ -= kLanes) {
-      alignas(kVectorBytes) float top[kLanes];
-      __builtin_memcpy(top, squares_ + count_ - kLanes, sizeof(top));
-      const Lanes<Real> squares = Lanes<Real>::load(top);
-      const std::uint32_t within = (squares <= Lanes<Real>::all(square)).bits();
-      if (within == 0) {
-        dropped = smaller(dropped, squares);
-        continue;
+    for (; end_ != room_; --end_) {
+      WaitingLanes& top = end_[-1];
+      Keys keys;
+      __builtin_memcpy(&keys, &top.keys, sizeof(keys));
+      const std::uint32_t nearest = leastOf(keys);
+      if (Real{boundIn(nearest)} <= square) {
+        keys = without(nearest, keys);
+        __builtin_memcpy(&top.keys, &keys, sizeof(keys));
+        return top.sets[nearest & kLaneBits];
       }
-      const std::uint32_t lane = highestBit(within);
-      const Truth<Real> kept = Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(lane));
-      dropped = leastOfThose(!kept, squares, dropped);
-      count_ = count_ - kLanes + lane;
-      return sets_[count_];
+      const Keys bounds = boundsOf(keys);
+      alignas(kVectorBytes) float squares[kLanes];
+      __builtin_memcpy(squares, &bounds, sizeof(squares));
+      dropped = smaller(Lanes<Real>::load(squares), dropped);
     }
-  }
-
-  /// The sets in a node's lanes, the nearest on top; those with keys below 0 are left out.
-  void push(const WideNode& node, const Keys& keys, std::uint32_t count) {
-    const Keys order = sorted(keys);
-    const Keys squares = boundsOf(order);
-    const Sets sets = setsOf(node, order & kLaneBits);
-    __builtin_memcpy(squares_ + count_, &squares, sizeof(squares));
-    __builtin_memcpy(sets_ + count_, &sets, sizeof(sets));
-    count_ += count;
+    return kNoSet;
   }
 
  private:
-  float* squares_;
-  std::uint32_t* sets_;
-  std::uint32_t count_ = kLanes;
+  WaitingLanes* end_;
+  WaitingLanes* room_;
 };
 
 /// The set in a lane of a node, without a branch on whether it is a packet.

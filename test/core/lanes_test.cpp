@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -120,27 +119,59 @@ TYPED_TEST(LanesOf, AreComparedOneByOne) {
     EXPECT_EQ(chosen[i], i < 3 ? TypeParam{1} : this->some(i));
 }
 
-// What a network makes of all patterns of two numbers it makes of all numbers (Knuth, "Sorting and
-// searching", 5.3.4, theorem Z).
-TEST(SetsThatWait, AreSortedTheLargestFirst) {
+/// Keys of lanes that are 0, 1, 4, ... 49 away, squared; none in the lanes that `pattern` leaves
+/// out.
+Keys keysOfSquares(std::uint32_t pattern) {
+  const Keys keys = keysOf(Lanes<float>::numbers() * Lanes<float>::numbers());
+  Keys some = keys;
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+    if ((pattern >> lane & 1U) == 0) some[lane] = -1;
+  return some;
+}
+
+TEST(SetsThatWait, AreTakenTheNearestFirst) {
   for (std::uint32_t pattern = 0; pattern <= kAll; ++pattern) {
-    Keys keys = {};
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-      keys[lane] = (pattern >> lane & 1U) != 0 ? 7 : -1;
-    const Keys order = sorted(keys);
-    const int large = __builtin_popcount(pattern);
-    for (int i = 0; i < kLanes; ++i) EXPECT_EQ(order[i], i < large ? 7 : -1) << pattern;
-    EXPECT_EQ(leastOf(keys), pattern == 0 ? ~0U : 7U);
+    SCOPED_TRACE(pattern);
+    WaitingLanes room[1];
+    Stack stack(room);
+    WideNode node = {};
+    node.first_node = 100;
+    node.first_packet = 200;
+    node.node_count = 3;
+    const std::uint32_t nearest = stack.push(node, keysOfSquares(pattern));
+    EXPECT_EQ(nearest == kNoKey, pattern == 0);
+    Lanes<float> dropped = Lanes<float>::all(kFloatInfinity);
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+      if ((pattern >> lane & 1U) == 0) continue;
+      const std::uint32_t set = lane < 3 ? 100 + lane : (200 + lane - 3) | kPacketBit;
+      EXPECT_EQ(stack.take(100.0F, dropped), set);
+    }
+    EXPECT_EQ(stack.take(100.0F, dropped), kNoSet);
+    EXPECT_EQ(leastOf(dropped), kFloatInfinity);
   }
+}
+
+TEST(SetsThatWait, AreDroppedWhereTheyAreTooFar) {
+  WaitingLanes room[2];
+  Stack stack(room);
+  WideNode node = {};
+  node.node_count = kLaneCount;
+  stack.push(node, keysOfSquares(0b00000111U));
+  node.first_node = 100;
+  stack.push(node, keysOfSquares(0b11110000U));
+  Lanes<float> dropped = Lanes<float>::all(kFloatInfinity);
+  EXPECT_EQ(stack.take(16.0F, dropped), 104U);
+  EXPECT_EQ(stack.take(16.0F, dropped), 0U);  // of the node below, as 5 * 5 is too far
+  EXPECT_NEAR(leastOf(dropped), 25.0F, 1e-4F);
+  EXPECT_EQ(stack.take(-kFloatInfinity, dropped), kNoSet);
+  EXPECT_NEAR(leastOf(dropped), 1.0F, 1e-5F);
 }
 
 TEST(SetsThatWait, KeepBoundsThatAreNotLargerAndTheirLanes) {
   const Lanes<double> squares = Lanes<double>::numbers() * Lanes<double>::all(0.1);
   const Keys keys = keysOf(squares);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    float bound = 0.0F;
-    const std::int32_t bits = boundsOf(keys)[lane];
-    std::memcpy(&bound, &bits, sizeof(bound));
+    const float bound = boundIn(static_cast<std::uint32_t>(keys[lane]));
     EXPECT_EQ(keys[lane] & kLaneBits, static_cast<std::int32_t>(lane));
     EXPECT_LE(bound, squares[lane]);
     EXPECT_NEAR(bound, squares[lane], 0x1p-19);
