@@ -48,25 +48,26 @@ void requireUsable(const Accuracy& accuracy) {
 namespace {
 
 template <class Tip>
-NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy) {
+NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy,
+                          Sign sign) {
   requireUsable(accuracy);
   NearestTriangle nearest = NearestSearch<Tip>(organ, tip, accuracy).run();
-  addSign(organ, nearest);
+  if (sign == Sign::kProven) addSign(organ, nearest);
   return nearest;
 }
 
 }  // namespace
 
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
-                                const Accuracy& accuracy) {
+                                const Accuracy& accuracy, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return nearestTo(organ, PointTip(tip), accuracy);
+  return nearestTo(organ, PointTip(tip), accuracy, sign);
 }
 
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
-                                const Accuracy& accuracy) {
+                                const Accuracy& accuracy, Sign sign) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return nearestTo(organ, TriangleTip(tip), accuracy);
+  return nearestTo(organ, TriangleTip(tip), accuracy, sign);
 }
 
 }  // namespace organ_collision::core

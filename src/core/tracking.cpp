@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/nearest_search.h"
 
@@ -18,9 +19,9 @@ struct Tracker::Memory {
   MeshMotion motion;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
-  TriangleId triangle;
+  std::optional<SurfaceNormal> normal;
+  TriangleId triangle;  // where it is
   Feature feature;
-  SurfaceNormal normal;  // there
 };
 
 namespace {
@@ -36,23 +37,19 @@ class TrackedSearch : private NearestSearch<Tip> {
                 Memory& memory)
       : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
 
-  NearestTriangle run() {
+  NearestTriangle run(Sign sign) {
     if (!isNear()) {
       memory_.valid = false;
       NearestTriangle nearest = NearestSearch<Tip>::run();
-      addSign(this->organ_, nearest);
+      if (sign == Sign::kProven) addSign(this->organ_, nearest);
       return nearest;
     }
     this->followed = &memory_.followed;
     if (!follow()) walk();
     NearestTriangle nearest = this->answer();
-    if (!isNormalKnown(nearest)) {
-      memory_.triangle = nearest.triangle;
-      memory_.feature = nearest.closest.feature;
-      memory_.normal = surfaceNormal(this->organ_, memory_.triangle, memory_.feature);
-    }
+    if (!isNormalKnown(nearest)) memory_.normal.reset();
+    if (sign == Sign::kProven) addSign(this->organ_, normalAt(nearest), nearest);
     remember();
-    addSign(this->organ_, memory_.normal, nearest);
     return nearest;
   }
 
@@ -114,6 +111,15 @@ class TrackedSearch : private NearestSearch<Tip> {
     near.nearest = this->best_leaf;
   }
 
+  const SurfaceNormal& normalAt(const NearestTriangle& nearest) {
+    if (!memory_.normal) {
+      memory_.triangle = nearest.triangle;
+      memory_.feature = nearest.closest.feature;
+      memory_.normal = surfaceNormal(this->organ_, memory_.triangle, memory_.feature);
+    }
+    return *memory_.normal;
+  }
+
   bool isNormalKnown(const NearestTriangle& nearest) const {
     return memory_.valid && memory_.motion.build == motion_.build &&
            memory_.motion.travel == motion_.travel && memory_.triangle == nearest.triangle &&
@@ -141,15 +147,15 @@ Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
-                                         const Eigen::Vector3d& tip) {
+                                         const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return TrackedSearch(organ, PointTip(tip), motion, *memory_).run();
+  return TrackedSearch(organ, PointTip(tip), motion, *memory_).run(sign);
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
-                                         const Triangle& tip) {
+                                         const Triangle& tip, Sign sign) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run();
+  return TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run(sign);
 }
 
 }  // namespace organ_collision::core

@@ -83,6 +83,39 @@ TEST(NearestTriangle, GreedyEqualsALiteralTranscriptionOfThePaper) {
   }
 }
 
+/// That `bare` tells the same as `whole`, but for the sign and the normal.
+void expectSameWithoutSign(const NearestTriangle& bare, const NearestTriangle& whole) {
+  ASSERT_EQ(bare.triangle, whole.triangle);
+  ASSERT_EQ(bare.closest.point, whole.closest.point);
+  ASSERT_EQ(bare.tip_point, whole.tip_point);
+  ASSERT_EQ(bare.normal, Eigen::Vector3d(0, 0, 0));
+  ASSERT_FALSE(bare.distance_signed);
+  ASSERT_EQ(bare.distance, std::abs(whole.distance));
+  const bool inside = whole.distance < 0.0;
+  ASSERT_EQ(bare.lower_bound, inside ? -whole.upper_bound : whole.lower_bound);
+  ASSERT_EQ(bare.upper_bound, inside ? -whole.lower_bound : whole.upper_bound);
+  ASSERT_EQ(bare.work.bounds, whole.work.bounds);
+  ASSERT_EQ(bare.work.triangles, whole.work.triangles);
+}
+
+TEST(NearestTriangle, WithoutSignIsTheSameOtherwise) {
+  std::mt19937 generator(14);
+  for (const CollisionMesh& organ : organs()) {
+    for (const Accuracy& accuracy : {Accuracy::exact(), Accuracy::greedy(), Accuracy{0.1, 0, 0}}) {
+      for (int i = 0; i < 300; ++i) {
+        const Eigen::Vector3d point = randomTip(generator, organ);
+        ASSERT_NO_FATAL_FAILURE(
+            expectSameWithoutSign(nearestTriangle(organ, point, accuracy, Sign::kNone),
+                                  nearestTriangle(organ, point, accuracy)));
+      }
+      const Triangle tip = randomTriangle(generator, organ);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSameWithoutSign(nearestTriangle(organ, tip, accuracy, Sign::kNone),
+                                nearestTriangle(organ, tip, accuracy)));
+    }
+  }
+}
+
 TEST(NearestTriangle, FromSoFarThatSquaresWouldOverflowMeasuresAllTriangles) {
   const CollisionMesh speck(test::cube(0x1p-300));
   const Eigen::Vector3d tip(0x1p200, 0, 0);

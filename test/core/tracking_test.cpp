@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -98,6 +99,27 @@ TEST(Tracker, FollowsOverAMeshThatMovesAndIsRebuilt) {
       ASSERT_NO_FATAL_FAILURE(
           expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip)));
     }
+  }
+}
+
+TEST(Tracker, ProvesTheSignWhenItIsAskedAgain) {
+  std::mt19937 generator(35);
+  CollisionMesh organ(test::blob(4));
+  Tracker tracker;
+  MeshMotion motion;
+  Eigen::Vector3d tip(0.1, 0.1, 0.1);
+  for (int i = 0; i < 300; ++i) {
+    if (generator() % 2 == 0) {  // turned: at the same feature the normal is another one
+      const Eigen::AngleAxisd turn(0.01, Eigen::Vector3d(1, 2, 3).normalized());
+      Points positions = organ.mesh().positions();
+      for (Eigen::Vector3d& position : positions) position = turn * position;
+      organ.refit(positions);
+      motion.travel += 0.01;
+      tip = turn * tip;
+    }
+    const Sign sign = generator() % 2 == 0 ? Sign::kProven : Sign::kNone;
+    ASSERT_NO_FATAL_FAILURE(expectSame(tracker.nearestTriangle(organ, motion, tip, sign),
+                                       nearestTriangle(organ, tip, Accuracy::exact(), sign)));
   }
 }
 

@@ -21,6 +21,13 @@ struct Accuracy {
 /// Throws std::invalid_argument naming the field unless both errors are finite and >= 0.
 void requireUsable(const Accuracy& accuracy);
 
+/// Whether an answer tells the side on which the tip is. Who wants no more than how far away which
+/// triangle is saves the normal, which costs most where a vertex is nearest, and the proof.
+enum class Sign : std::uint8_t {
+  kProven,  ///< as far as it can be
+  kNone     ///< no normal, and no distance below 0
+};
+
 /// What a search cost; the same on every machine.
 struct SearchWork {
   std::uint32_t bounds = 0;     ///< boxes measured; greedy: poles compared
@@ -33,8 +40,8 @@ struct NearestTriangle {
   TriangleId triangle;
   ClosestPoint closest;       ///< on the triangle, seen from tip_point
   Eigen::Vector3d tip_point;  ///< [m] the tip's point nearest to the triangle
-  Eigen::Vector3d
-      normal;            ///< unit outward pseudonormal at the closest point; zero if there is none
+  Eigen::Vector3d normal;     ///< unit outward pseudonormal at the closest point; zero if there is
+                           ///< none, or none is asked for
   double distance;       ///< [m] negative inside, where signed
   double lower_bound;    ///< [m] lower_bound <= true distance <= upper_bound, in the same sign
                          ///< convention,
@@ -53,11 +60,11 @@ struct NearestTriangle {
 /// for a point or an accuracy that is not usable. Allocates only until the calling thread has seen
 /// its widest search.
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
-                                const Accuracy& accuracy = {});
+                                const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 
 /// The same for a triangle at the instrument's tip, the paper's: routed by its centroid, then
 /// measured whole.
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
-                                const Accuracy& accuracy = {});
+                                const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 
 }  // namespace organ_collision::core

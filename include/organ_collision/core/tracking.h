@@ -28,9 +28,9 @@ class Tracker {
   /// The same as the function of that name gives, bit for bit but for `work`. `organ` is at
   /// `motion`. Throws as that does. Does not allocate once the thread has seen its widest search.
   NearestTriangle nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
-                                  const Eigen::Vector3d& tip);
+                                  const Eigen::Vector3d& tip, Sign sign = Sign::kProven);
   NearestTriangle nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
-                                  const Triangle& tip);
+                                  const Triangle& tip, Sign sign = Sign::kProven);
 
  private:
   struct Memory;
