@@ -41,10 +41,10 @@ struct NearestTriangle {
   ClosestPoint closest;       ///< on the triangle, seen from tip_point
   Eigen::Vector3d tip_point;  ///< [m] the tip's point nearest to the triangle
   Eigen::Vector3d normal;     ///< unit outward pseudonormal at the closest point; zero if there is
-                           ///< none, or none is asked for
-  double distance;       ///< [m] negative inside, where signed
-  double lower_bound;    ///< [m] lower_bound <= true distance <= upper_bound, in the same sign
-                         ///< convention,
+                              ///< none, or none is asked for
+  double distance;            ///< [m] negative inside, where signed
+  double lower_bound;         ///< [m] lower_bound <= true distance <= upper_bound, in the same sign
+                              ///< convention,
   double upper_bound;    ///< [m] but for rounding of 4*u*extent; distance is one of the two; equal:
                          ///< exact
   bool distance_signed;  ///< the sign is proven; otherwise distance >= 0
