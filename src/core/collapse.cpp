@@ -17,28 +17,27 @@ constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
 
 Collapse::Collapse(const FarthestPairTree& tree, const Points& centroids)
     : tree_(tree), costs_(centroids.size() - 1) {
+  const std::vector<Set> above = setsLargerThan(kTask, tree.root());
   std::vector<Set> tasks;
-  const std::vector<Set> above = setsBelow(tree.root(), kTask, tasks);
-  tbb::parallel_for_each(tasks, [&](const Set& task) {
-    std::vector<Set> leaves;
-    weighUpwards(setsBelow(task, 1, leaves), centroids);
-  });
+  if (above.empty()) tasks.push_back(tree.root());
+  for (const Set& set : above) {
+    for (const Set& child : tree.children(set)) {
+      if (child.size() <= kTask) tasks.push_back(child);
+    }
+  }
+  tbb::parallel_for_each(
+      tasks, [&](const Set& task) { weighUpwards(setsLargerThan(1, task), centroids); });
   weighUpwards(above, centroids);
 }
 
-/// A set and all those below it that have more than `least` leaves, parents first; those of up to
-/// `least` below them are added to `rest`.
-std::vector<Collapse::Set> Collapse::setsBelow(const Set& top, std::uint32_t least,
-                                               std::vector<Set>& rest) const {
+/// Of a set and all those below it, those with more leaves than that, parents first.
+std::vector<Collapse::Set> Collapse::setsLargerThan(std::uint32_t least, const Set& top) const {
   std::vector<Set> sets;
   std::vector<Set> pending = {top};
   while (!pending.empty()) {
     const Set set = pending.back();
     pending.pop_back();
-    if (set.size() <= least) {
-      rest.push_back(set);
-      continue;
-    }
+    if (set.size() <= least) continue;
     sets.push_back(set);
     for (const Set& child : tree_.children(set)) pending.push_back(child);
   }
@@ -50,44 +49,63 @@ void Collapse::weighUpwards(const std::vector<Set>& sets, const Points& centroid
   for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
 }
 
-/// Neighbours share a packet if there is room.
-void Collapse::Parts::addPacket(const Set& set) {
-  if (!packets.empty() && packets.back().end == set.begin &&
-      set.end - packets.back().begin <= kLaneCount) {
-    packets.back().end = set.end;
-  } else {
-    packets.push_back({set.begin, set.end});
+Collapse::Layout Collapse::layout() const {
+  Layout layout;
+  layout.nodes.push_back({tree_.root(), 0, 0, 0, 0, 0});
+  for (std::uint32_t level = 0; level < layout.nodes.size();) {
+    layout.levels.push_back(level);
+    const auto next = static_cast<std::uint32_t>(layout.nodes.size());
+    for (; level < next; ++level) addChildren(level, layout);
   }
+  return layout;
 }
 
-Collapse::Parts Collapse::partsOf(const Set& whole) const {
-  Parts parts;
-  if (isPacket(whole)) {
-    parts.addPacket(whole);
-    return parts;
-  }
-  std::vector<std::pair<Set, std::uint32_t>> pending = {{whole, kLaneCount}};
-  bool first = true;
-  while (!pending.empty()) {
-    const auto [set, slots] = pending.back();
-    pending.pop_back();
-    const std::uint32_t used = set.isLeaf() ? 1 : costs_[set.node].slots[slots - 1];
-    if (!first && used == 1) {
-      if (isPacket(set)) {
-        parts.addPacket(set);
-      } else {
-        parts.nodes.push_back(set);
-      }
-      continue;
+/// Packets that are neighbours become one if there is room.
+void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
+  const Set whole = layout.nodes[parent].set;
+  const std::size_t first_node = layout.nodes.size();
+  const std::size_t first_packet = layout.packets.size();
+  const auto add_packet = [&](const Set& set) {
+    if (layout.packets.size() > first_packet && layout.packets.back().end == set.begin &&
+        set.end - layout.packets.back().begin <= kLaneCount) {
+      layout.packets.back().end = set.end;
+    } else {
+      layout.packets.push_back({set.begin, set.end, parent});
     }
+  };
+  struct Pending {
+    Set set;
+    std::uint32_t slots;
+  };
+  std::array<Pending, kLaneCount> pending;
+  std::size_t count = 0;
+  const auto divide = [&](const Set& set, std::uint32_t slots) {
     const auto [one, other] = tree_.children(set);
-    const std::uint32_t total = first ? kLaneCount : used;
-    const std::uint32_t for_first = costs_[set.node].first_slots[total - 1];
-    pending.emplace_back(other, total - for_first);
-    pending.emplace_back(one, for_first);
-    first = false;
+    const std::uint32_t for_first = costs_[set.node].first_slots[slots - 1];
+    pending[count++] = {other, slots - for_first};
+    pending[count++] = {one, for_first};
+  };
+  if (isPacket(whole)) {
+    add_packet(whole);
+  } else {
+    divide(whole, kLaneCount);
   }
-  return parts;
+  while (count > 0) {
+    const auto [set, slots] = pending[--count];
+    const std::uint32_t used = set.isLeaf() ? 1 : costs_[set.node].slots[slots - 1];
+    if (used > 1) {
+      divide(set, used);
+    } else if (isPacket(set)) {
+      add_packet(set);
+    } else {
+      layout.nodes.push_back({set, parent, 0, 0, 0, 0});
+    }
+  }
+  Node& node = layout.nodes[parent];
+  node.first_node = static_cast<std::uint32_t>(first_node);
+  node.first_packet = static_cast<std::uint32_t>(first_packet);
+  node.node_count = static_cast<std::uint8_t>(layout.nodes.size() - first_node);
+  node.packet_count = static_cast<std::uint8_t>(layout.packets.size() - first_packet);
 }
 
 bool Collapse::isPacket(const Set& set) const {

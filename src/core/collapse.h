@@ -23,17 +23,22 @@ class Collapse {
   /// `centroids` of the leaves, in the unit frame. O(n), on all cores.
   Collapse(const FarthestPairTree& tree, const Points& centroids);
 
-  struct Leaves {
+  struct Node {
+    Set set;
+    std::uint32_t parent, first_node, first_packet;
+    std::uint8_t node_count, packet_count;
+  };
+  struct Packet {
     Leaf begin, end;
+    std::uint32_t parent;
   };
-  /// Of a set that becomes a node.
-  struct Parts {
-    std::vector<Set> nodes;
-    std::vector<Leaves> packets;
-
-    void addPacket(const Set& set);
+  /// What the sets become, level by level; the children of each node follow one another.
+  struct Layout {
+    std::vector<Node> nodes;
+    std::vector<Packet> packets;
+    std::vector<std::uint32_t> levels;  ///< the first node of each
   };
-  Parts partsOf(const Set& whole) const;
+  Layout layout() const;
 
  private:
   struct Costs {
@@ -43,8 +48,9 @@ class Collapse {
     bool is_packet;
   };
 
+  void addChildren(std::uint32_t parent, Layout& layout) const;
   bool isPacket(const Set& set) const;
-  std::vector<Set> setsBelow(const Set& top, std::uint32_t least, std::vector<Set>& rest) const;
+  std::vector<Set> setsLargerThan(std::uint32_t least, const Set& top) const;
   void weighUpwards(const std::vector<Set>& sets, const Points& centroids);
   void weigh(const Set& set, const Points& centroids);
 

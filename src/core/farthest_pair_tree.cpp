@@ -86,12 +86,17 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
     const double part = width > 0.0 ? (centroids[0][i] - least) / width : 0.0;
     return std::min(static_cast<std::size_t>(part * static_cast<double>(count)), count - 1);
   };
+  std::vector<std::uint32_t> slices(count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kTrianglesPerTask),
+                    [&](const auto& some) {
+                      for (std::size_t i = some.begin(); i < some.end(); ++i)
+                        slices[i] = static_cast<std::uint32_t>(slice_of(i));
+                    });
   std::vector<std::uint32_t> ends(count + 1, 0);  // of the slices; until all are dealt, their next
-  for (std::size_t i = 0; i < count; ++i) ++ends[slice_of(i) + 1];
+  for (const std::uint32_t slice : slices) ++ends[slice + 1];
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
   std::vector<TriangleId> triangles(count);
-  for (std::size_t i = 0; i < count; ++i)
-    triangles[ends[slice_of(i)]++] = static_cast<TriangleId>(i);
+  for (std::size_t i = 0; i < count; ++i) triangles[ends[slices[i]]++] = static_cast<TriangleId>(i);
   const auto at = [&](std::size_t place) {
     return triangles.begin() + static_cast<std::ptrdiff_t>(place);
   };
@@ -123,15 +128,18 @@ class FarthestPairTree::Builder {
  public:
   Builder(const TriangleMesh& mesh, std::vector<Node>& nodes)
       : nodes_(nodes),
+        centroids_(columnsOf(mesh.triangleCount())),
         spare_centroids_(columnsOf(mesh.triangleCount())),
         spare_triangles_(mesh.triangleCount()) {
     const Columns centroids = centroidsOf(mesh);
     triangles_ = orderedTriangles(mesh, centroids);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      centroids_[axis].reserve(triangles_.size());
-      for (const TriangleId triangle : triangles_)
-        centroids_[axis].push_back(centroids[axis][index(triangle)]);
-    }
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_.size(), kTrianglesPerTask),
+                      [&](const auto& some) {
+                        for (std::size_t i = some.begin(); i < some.end(); ++i) {
+                          for (std::size_t axis = 0; axis < 3; ++axis)
+                            centroids_[axis][i] = centroids[axis][index(triangles_[i])];
+                        }
+                      });
   }
 
   void run() {
@@ -187,9 +195,7 @@ class FarthestPairTree::Builder {
 
   /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.
   std::uint32_t split(const Set& set) {
-    const FarthestPair pair = farthestPair(
-        {&centroids_[0][set.begin], &centroids_[1][set.begin], &centroids_[2][set.begin]},
-        set.size());
+    const FarthestPair pair = farthestPair(pointsOf(set), set.size());
     const bool coincident = pair.squared_distance == 0.0;
     const std::size_t first = set.begin + pair.first;
     const std::size_t second = set.begin + (coincident ? set.size() / 2 : pair.second);
@@ -199,6 +205,10 @@ class FarthestPairTree::Builder {
     node.first_size =
         coincident ? set.size() / 2 : separate(set, centroid(first), centroid(second));
     return node.first_size;
+  }
+
+  PointColumns pointsOf(const Set& set) const {
+    return {&centroids_[0][set.begin], &centroids_[1][set.begin], &centroids_[2][set.begin]};
   }
 
   Eigen::Vector3d centroid(std::size_t i) const {

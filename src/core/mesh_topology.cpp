@@ -98,9 +98,10 @@ class MeshTopology::Inspector {
     for (auto edge = edges_.begin(); edge != edges_.end();) {
       std::size_t uses = 0;
       int balance = 0;
-      for (const Weld end = edge->first; edge != edges_.end() && edge->first == end; ++edge) {
+      for (const std::uint64_t end = *edge >> 1U; edge != edges_.end() && *edge >> 1U == end;
+           ++edge) {
         ++uses;
-        balance += edge->second;
+        balance += (*edge & 1U) != 0 ? 1 : -1;
       }
       findings.closed = findings.closed && uses % 2 == 0;
       findings.consistently_wound = findings.consistently_wound && std::abs(balance) <= 1;
@@ -113,21 +114,24 @@ class MeshTopology::Inspector {
  private:
   void add(TriangleId triangle, Weld weld) {
     const auto& [a, b, c] = mesh_.corners(triangle);
-    std::array<Weld, 3> welds = {topology_.weld(a), topology_.weld(b), topology_.weld(c)};
+    const std::array<Weld, 3> welds = {topology_.weld(a), topology_.weld(b), topology_.weld(c)};
     for (const std::size_t i : {0, 1, 2}) {
       const Weld from = welds[i];
       const Weld to = welds[(i + 1) % 3];
-      if (from == weld && weld < to) edges_.emplace_back(to, 1);
-      if (to == weld && weld < from) edges_.emplace_back(from, -1);
+      if (from == weld && weld < to) edges_.push_back(std::uint64_t{to} << 1U | 1U);
+      if (to == weld && weld < from) edges_.push_back(std::uint64_t{from} << 1U);
     }
-    std::sort(welds.begin(), welds.end());
-    if (welds[0] == weld) opposite_sides_.emplace_back(welds[1], welds[2]);
+    // Without branches, as none could be foreseen.
+    const auto [low, high] = std::minmax(welds[0], welds[1]);
+    const Weld middle = std::max(low, std::min(high, welds[2]));
+    if (std::min(low, welds[2]) == weld)
+      opposite_sides_.push_back(std::uint64_t{middle} << 32U | std::max(high, welds[2]));
   }
 
   const MeshTopology& topology_;
   const TriangleMesh& mesh_;
-  std::vector<std::pair<Weld, int>> edges_;  // their other end; +1 if they run towards it, else -1
-  std::vector<std::pair<Weld, Weld>> opposite_sides_;
+  std::vector<std::uint64_t> edges_;  // twice their other end; one more if they run towards it
+  std::vector<std::uint64_t> opposite_sides_;  // both ends
 };
 
 void MeshTopology::inspect(const TriangleMesh& mesh) {

@@ -10,6 +10,7 @@
 #include <bitset>
 #include <climits>
 #include <cmath>
+#include <utility>
 
 #include "core/collapse.h"
 #include "core/kernels.h"
@@ -90,68 +91,56 @@ Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : places_(mesh.triangleCount()) {
+    : vertices_(mesh.positions().size()),
+      corners_(mesh.triangleCount()),
+      places_(mesh.triangleCount()) {
   centroids_.frame = frame;
   centroids_.places.resize(mesh.triangleCount());
   const Points centroids = centroidsOf(tree, mesh, frame);
-  const Collapse collapse(tree, centroids);
-  std::vector<Set> sets = {tree.root()};  // of the nodes
-  std::vector<std::size_t> depths = {1};
-  nodes_.emplace_back();
-  parents_.push_back(0);
-  for (std::uint32_t self = 0; self < nodes_.size(); ++self) {
-    addChildren(tree, collapse, self, sets);
-    if (depths[self] > levels_.size()) levels_.push_back(self);
-    depths.resize(nodes_.size(), depths[self] + 1);
-  }
+  Collapse::Layout layout = Collapse(tree, centroids).layout();
+  levels_ = std::move(layout.levels);
+  nodes_.resize(layout.nodes.size());
+  parents_.resize(nodes_.size());
+  packets_.resize(layout.packets.size());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, nodes_.size(), kNodeGrain), [&](const auto& some) {
         for (std::size_t self = some.begin(); self < some.end(); ++self) {
-          const Matrix3d axes = principalAxes(&centroids[sets[self].begin], sets[self].size());
-          store((kShorter * axes).cast<float>(), nodes_[self].axes);
+          const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
+              layout.nodes[self];
+          Node& node = nodes_[self];
+          node.first_node = first_node;
+          node.first_packet = first_packet;
+          node.node_count = node_count;
+          node.lane_count = static_cast<std::uint8_t>(node_count + packet_count);
+          store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(),
+                node.axes);
+          parents_[self] = parent;
         }
       });
-  vertices_.resize(mesh.positions().size());
-  nodes_.shrink_to_fit();
-  packets_.shrink_to_fit();
-  parents_.shrink_to_fit();
-  listCorners(tree, mesh);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, packets_.size(), kPacketGrain),
+                    [&](const auto& some) {
+                      for (std::size_t number = some.begin(); number < some.end(); ++number) {
+                        const auto& [begin, end, parent] = layout.packets[number];
+                        packets_[number].first_leaf = begin;
+                        packets_[number].lane_count = end - begin;
+                        packets_[number].parent = parent;
+                        for (Leaf leaf = begin; leaf < end; ++leaf)
+                          listLeaf(tree, mesh, leaf, number * kLaneCount + leaf - begin);
+                      }
+                    });
   listParts();
   tallies_.resize(packets_.size());
   touched_.resize(nodes_.size() + packets_.size());
   fitAll(mesh, Fit::kCorners);
 }
 
-void WideTree::addChildren(const FarthestPairTree& tree, const Collapse& collapse,
-                           std::uint32_t self, std::vector<Set>& sets) {
-  nodes_[self].first_node = static_cast<std::uint32_t>(nodes_.size());
-  nodes_[self].first_packet = static_cast<std::uint32_t>(packets_.size());
-  const auto [nodes, packets] = collapse.partsOf(sets[self]);
-  nodes_[self].node_count = static_cast<std::uint8_t>(nodes.size());
-  nodes_[self].lane_count = static_cast<std::uint8_t>(nodes.size() + packets.size());
-  for (const Set& set : nodes) {
-    sets.push_back(set);
-    nodes_.emplace_back();
-    parents_.push_back(self);
-  }
-  for (const auto& [begin, end] : packets) {
-    const auto packet_number = static_cast<std::uint32_t>(packets_.size());
-    for (Leaf leaf = begin; leaf < end; ++leaf)
-      places_[index(tree.triangle(leaf))] = packet_number * kLaneCount + leaf - begin;
-    Packet& packet = packets_.emplace_back();
-    packet.first_leaf = begin;
-    packet.lane_count = end - begin;
-    packet.parent = self;
-  }
-}
-
-void WideTree::listCorners(const FarthestPairTree& tree, const TriangleMesh& mesh) {
-  corners_.reserve(mesh.triangleCount());
+void WideTree::listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
+                        std::size_t place) {
+  const TriangleId triangle = tree.triangle(leaf);
   const auto number = [](VertexId vertex) { return static_cast<std::uint32_t>(index(vertex)); };
-  for (Leaf leaf = 0; leaf < mesh.triangleCount(); ++leaf) {
-    const auto& [a, b, c] = mesh.corners(tree.triangle(leaf));
-    corners_.push_back({number(a), number(b), number(c)});
-  }
+  const auto& [a, b, c] = mesh.corners(triangle);
+  corners_[leaf] = {number(a), number(b), number(c)};
+  places_[index(triangle)] = static_cast<std::uint32_t>(place);
 }
 
 /// A node's box is drawn around those kLevels below it, and around packets' on the way there.

@@ -14,7 +14,6 @@
 
 namespace organ_collision::core {
 
-class Collapse;
 enum class Fit : std::uint8_t;
 
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
@@ -70,11 +69,10 @@ class WideTree {
     std::uint32_t begin, end;
   };
 
-  void addChildren(const FarthestPairTree& tree, const Collapse& collapse, std::uint32_t self,
-                   std::vector<Set>& sets);
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
-  void listCorners(const FarthestPairTree& tree, const TriangleMesh& mesh);
+  void listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
+                std::size_t place);
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
