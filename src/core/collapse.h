@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
@@ -55,7 +56,7 @@ class Collapse {
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;
-  std::vector<Costs> costs_;  // of the hierarchy's nodes
+  std::unique_ptr<Costs[]> costs_;  // of the hierarchy's nodes
 };
 
 }  // namespace organ_collision::core

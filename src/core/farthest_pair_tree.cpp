@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <tuple>
 
@@ -38,16 +39,24 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
                                       });
 }
 
-using Columns = std::array<std::vector<double>, 3>;
+/// x, y and z of points, one column after another; at first no numbers, so that whoever writes them
+/// is the first to touch the memory.
+class Columns {
+ public:
+  explicit Columns(std::size_t size) : size_(size), values_(new double[3 * size]) {}
+
+  double* operator[](std::size_t axis) { return values_.get() + axis * size_; }
+  const double* operator[](std::size_t axis) const { return values_.get() + axis * size_; }
+
+ private:
+  std::size_t size_;
+  std::unique_ptr<double[]> values_;
+};
 
 constexpr std::size_t kTrianglesPerTask = 1024;
 
-Columns columnsOf(std::size_t size) {
-  return {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
-}
-
 Columns centroidsOf(const TriangleMesh& mesh) {
-  Columns centroids = columnsOf(mesh.triangleCount());
+  Columns centroids(mesh.triangleCount());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kTrianglesPerTask),
                     [&](const auto& some) {
                       for (std::size_t i = some.begin(); i < some.end(); ++i) {
@@ -63,9 +72,9 @@ Columns centroidsOf(const TriangleMesh& mesh) {
 /// By centroid, then by sorted corners: of two triangles, the lexicographically smaller.
 bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId first,
                 TriangleId second) {
-  for (const std::vector<double>& column : centroids) {
-    const double one = column[index(first)];
-    const double other = column[index(second)];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double one = centroids[axis][index(first)];
+    const double other = centroids[axis][index(second)];
     if (one != other) return one < other;
   }
   const Triangle one = mesh.triangle(first);
@@ -80,7 +89,7 @@ bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId f
 /// many slices along x as they are, then sorted slice by slice.
 std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns& centroids) {
   const std::size_t count = mesh.triangleCount();
-  const auto [low, high] = std::minmax_element(centroids[0].begin(), centroids[0].end());
+  const auto [low, high] = std::minmax_element(centroids[0], centroids[0] + count);
   // Rounding is monotone: whoever has the smaller x is in no later slice.
   const auto slice_of = [&, least = *low, width = *high - *low](std::size_t i) {
     const double part = width > 0.0 ? (centroids[0][i] - least) / width : 0.0;
@@ -128,8 +137,8 @@ class FarthestPairTree::Builder {
  public:
   Builder(const TriangleMesh& mesh, std::vector<Node>& nodes)
       : nodes_(nodes),
-        centroids_(columnsOf(mesh.triangleCount())),
-        spare_centroids_(columnsOf(mesh.triangleCount())),
+        centroids_(mesh.triangleCount()),
+        spare_centroids_(mesh.triangleCount()),
         spare_triangles_(mesh.triangleCount()) {
     const Columns centroids = centroidsOf(mesh);
     triangles_ = orderedTriangles(mesh, centroids);
