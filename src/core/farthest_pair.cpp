@@ -4,8 +4,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t kFewPoints = 32;       // all pairs of so many cost less than sweeps
 constexpr std::size_t kFewToCompare = 4096;  // are compared rather than divided
-constexpr std::size_t kSweep = 256;          // points
 
 bool isBetter(const FarthestPair& candidate, const FarthestPair& best) {
   if (candidate.squared_distance != best.squared_distance)
@@ -40,6 +39,18 @@ double largestSquaredDistance(const Box& box, const Eigen::Vector3d& point) {
   return squaredLength((box.high - point).cwiseMax(point - box.low));
 }
 
+/// Up to some number of them; memory is touched for those that are there.
+struct PoweredPoints {
+  explicit PoweredPoints(std::size_t most) : room(new PoweredPoint[most]), last(room.get()) {}
+
+  PoweredPoint* begin() const { return room.get(); }
+  PoweredPoint* end() const { return last; }
+  std::size_t size() const { return static_cast<std::size_t>(last - room.get()); }
+
+  std::unique_ptr<PoweredPoint[]> room;
+  PoweredPoint* last;
+};
+
 /// A set of points and the best pair found so far.
 class Diameter {
  public:
@@ -49,8 +60,8 @@ class Diameter {
     walkFrom(0);
     if (best_.squared_distance == 0.0) return best_;  // all coincide
     while (true) {
-      const std::vector<PoweredPoint> outside = pointsOutsideBall();
-      if (outside.empty()) return best_;
+      const PoweredPoints outside = pointsOutsideBall();
+      if (outside.size() == 0) return best_;
       const PoweredPoint farthest_out = *std::max_element(
           outside.begin(), outside.end(),
           [](const PoweredPoint& a, const PoweredPoint& b) { return a.power < b.power; });
@@ -104,43 +115,34 @@ class Diameter {
   }
 
   /// Those of a power of at least `least` with respect to the ball whose diameter is the best pair.
-  std::vector<PoweredPoint> pointsOfPower(double least) const {
-    const std::array<double, 3> first = plain(at(best_.first));
-    const std::array<double, 3> second = plain(at(best_.second));
-    std::vector<PoweredPoint> all;
-    std::array<PoweredPoint, kSweep + kLaneCount> some;
-    for (std::size_t begin = 0, count = 0; begin < count_; begin += count) {
-      const std::size_t rest = count_ - begin;
-      count = rest < some.size() ? rest : kSweep;  // so that eight are left, or none
-      const PointColumns points = {points_.x + begin, points_.y + begin, points_.z + begin};
-      const std::size_t found =
-          kernels().listByPower(points, count, first, second, least, some.data());
-      for (std::size_t i = 0; i < found; ++i) all.push_back({begin + some[i].index, some[i].power});
-    }
+  PoweredPoints pointsOfPower(double least) const {
+    PoweredPoints all(count_);
+    all.last = all.begin() + kernels().listByPower(points_, count_, plain(at(best_.first)),
+                                                   plain(at(best_.second)), least, all.begin());
     return all;
   }
 
   /// The points other than the best pair's that can be an end of a pair as long as the best or
   /// longer: those not inside the ball.
-  std::vector<PoweredPoint> pointsOutsideBall() const {
-    std::vector<PoweredPoint> outside = pointsOfPower(-slack());
+  PoweredPoints pointsOutsideBall() const {
+    PoweredPoints outside = pointsOfPower(-slack());
     const auto is_known = [this](const PoweredPoint& point) {
       return point.index == best_.first || point.index == best_.second;
     };
-    outside.erase(std::remove_if(outside.begin(), outside.end(), is_known), outside.end());
+    outside.last = std::remove_if(outside.begin(), outside.end(), is_known);
     return outside;
   }
 
   /// The points that can be the other end of such a pair: they are as far from the ball's middle as
   /// the pair is long, less how far the one end is.
-  std::vector<PoweredPoint> pointsFarEnoughFor(const PoweredPoint& farthest_out) const {
+  PoweredPoints pointsFarEnoughFor(const PoweredPoint& farthest_out) const {
     const double squared_radius = best_.squared_distance / 4.0;
     const double reach = std::sqrt(squared_radius + farthest_out.power + slack());
     const double rest = std::sqrt(best_.squared_distance) - reach;
     return pointsOfPower(rest * rest - squared_radius - slack());
   }
 
-  Members members(const std::vector<PoweredPoint>& points) const {
+  Members members(const PoweredPoints& points) const {
     Members all;
     all.reserve(points.size());
     for (const PoweredPoint& point : points) all.push_back({at(point.index), point.index});
@@ -161,12 +163,14 @@ class Diameter {
       box.add(end.place);
       lowest = std::min(lowest, end.index);
     }
-    Members left;
-    left.reserve(others.size());
-    std::copy_if(others.begin(), others.end(), std::back_inserter(left), [&](const Member& other) {
+    Members left(others.size());
+    std::size_t count = 0;
+    for (const Member& other : others) {  // without a branch, as none could be foreseen
+      left[count] = other;
       const double bound = largestSquaredDistance(box, other.place);
-      return isBetter(pairOf(lowest, other.index, bound), best_);
-    });
+      count += isBetter(pairOf(lowest, other.index, bound), best_) ? 1 : 0;
+    }
+    left.resize(count);
     Eigen::Index axis = 0;
     (box.high - box.low).maxCoeff(&axis);
     const auto middle = ends.begin() + (ends.end() - ends.begin()) / 2;
