@@ -14,6 +14,7 @@ namespace {
 using core::Accuracy;
 using core::CollisionMesh;
 using core::NearestTriangle;
+using core::Sign;
 using Organ = std::shared_ptr<const CollisionMesh>;
 
 /// Asks tip by tip. `Query`: a NearestTriangle from an organ and a tip.
@@ -45,16 +46,16 @@ std::shared_ptr<Contender> oneByOne(const Organ& organ, Query query) {
   return std::make_shared<OneByOne<Query>>(organ, std::move(query));
 }
 
-auto nearestWithin(const Accuracy& accuracy) {
-  return [accuracy](const CollisionMesh& organ, const Eigen::Vector3d& tip) {
-    return core::nearestTriangle(organ, tip, accuracy);
+auto nearestWithin(const Accuracy& accuracy, Sign sign = Sign::kProven) {
+  return [accuracy, sign](const CollisionMesh& organ, const Eigen::Vector3d& tip) {
+    return core::nearestTriangle(organ, tip, accuracy, sign);
   };
 }
 
-auto nearestFollowed() {
-  return [tracker = std::make_shared<core::Tracker>()](const CollisionMesh& organ,
-                                                       const Eigen::Vector3d& tip) {
-    return tracker->nearestTriangle(organ, {}, tip);
+auto nearestFollowed(Sign sign) {
+  return [tracker = std::make_shared<core::Tracker>(), sign](const CollisionMesh& organ,
+                                                             const Eigen::Vector3d& tip) {
+    return tracker->nearestTriangle(organ, {}, tip, sign);
   };
 }
 
@@ -146,22 +147,27 @@ std::vector<Entrant> libraryEntrants(const core::TriangleMesh& mesh) {
   const auto organ = std::make_shared<const CollisionMesh>(mesh);
   const std::vector<Task> singly = {Task::kPoints, Task::kPath};
   const std::vector<Task> always = {Task::kPoints, Task::kPath, Task::kBatch};
-  const auto setting = [&](const char* name, const Accuracy& accuracy) {
-    return Entrant{name, singly, std::nullopt, kAll, oneByOne(organ, nearestWithin(accuracy))};
+  const auto setting = [&](const char* name, const Accuracy& accuracy, Sign sign = Sign::kProven) {
+    return Entrant{name, singly, std::nullopt, kAll,
+                   oneByOne(organ, nearestWithin(accuracy, sign))};
+  };
+  const auto followed = [&](const char* name, Sign sign) {
+    return Entrant{
+        name, {Task::kPath}, kDoubleTolerance, kAll, oneByOne(organ, nearestFollowed(sign))};
   };
   return {
       {"exact", always, kDoubleTolerance, kAll, oneByOne(organ, nearestWithin({}))},
-      {"exact, previous known",
-       {Task::kPath},
-       kDoubleTolerance,
-       kAll,
-       oneByOne(organ, nearestFollowed())},
+      {"exact, unsigned", singly, kDoubleTolerance, kAll,
+       oneByOne(organ, nearestWithin({}, Sign::kNone))},
+      followed("exact, previous known", Sign::kProven),
+      followed("exact, unsigned, previous known", Sign::kNone),
       {"exact, all cores",
        {Task::kBatch},
        kDoubleTolerance,
        kAll,
        std::make_shared<AllAtOnce>(organ)},
       setting("greedy", Accuracy::greedy()),
+      setting("greedy, unsigned", Accuracy::greedy(), Sign::kNone),
       setting("4 leaves", {0.0, 0.0, 4}),
       setting("16 leaves", {0.0, 0.0, 16}),
       setting("1 %", {0.01, 0.0, 0}),
