@@ -170,6 +170,16 @@ Feature featureOf(const Vector3d& barycentric) {
 
 }  // namespace
 
+bool isClosestCorner(const Vector3d& offset, const Vector3d& edge, const Vector3d& other_edge) {
+  const auto leads_away = [&offset,
+                           least = kNearlyNothing * squaredLength(offset)](const Vector3d& step) {
+    // So long that no rounding makes its other end the nearer one.
+    const double squared = squaredLength(step);
+    return isSafe(squared) && squared > least && offset.dot(step) >= 0;
+  };
+  return leads_away(edge) && leads_away(other_edge);
+}
+
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
   const Corners3 corners = cornersSeenFrom(query, triangle);
   const std::size_t nearest = nearestOf(corners);

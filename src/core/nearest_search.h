@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "core/kernels.h"
@@ -108,18 +110,42 @@ class NearestSearch : protected Search {
  protected:
   double measure(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return 0.0;
-    const ClosestPair candidate =
-        tip_.measure(organ_.mesh().triangle(organ_.tree().triangle(leaf)));
+    const TriangleId triangle = organ_.tree().triangle(leaf);
+    if (leaf > best_leaf && endsAtVertex(triangle)) return best;
+    const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(triangle));
     const double squared_distance = candidate.on_second.squared_distance;
     const double unit_distance = std::sqrt(squared_distance) * scale_;
     if (squared_distance < squared_best_ ||
         (squared_distance == squared_best_ && leaf < best_leaf)) {
       pair_ = candidate;
+      vertex_ = nearestVertex(triangle);
       best_leaf = leaf;
       squared_best_ = squared_distance;
       best = std::min(best, unit_distance);
     }
     return unit_distance;
+  }
+
+  /// That a point is nearest to, on the best triangle.
+  std::optional<VertexId> nearestVertex(TriangleId triangle) const {
+    const Feature feature = pair_.on_second.feature;
+    if (!std::is_same_v<Tip, PointTip> || feature > Feature::kVertexC) return std::nullopt;
+    return organ_.mesh().corners(triangle)[static_cast<std::size_t>(feature)];
+  }
+
+  /// Whether another triangle is not nearer than the vertex that both have. Around a vertex that is
+  /// nearest all triangles tie, and this takes a fifth of the time of measuring them.
+  bool endsAtVertex(TriangleId triangle) const {
+    if (!vertex_) return false;
+    const auto& [a, b, c] = organ_.mesh().corners(triangle);
+    if (a == *vertex_) return leadAway(a, b, c);
+    if (b == *vertex_) return leadAway(b, c, a);
+    return c == *vertex_ && leadAway(c, a, b);
+  }
+  bool leadAway(VertexId from, VertexId one, VertexId other) const {
+    const TriangleMesh& mesh = organ_.mesh();
+    return isClosestCorner(pair_.on_second.offset, mesh.position(one) - mesh.position(from),
+                           mesh.position(other) - mesh.position(from));
   }
 
   void measureAll() {
@@ -159,6 +185,7 @@ class NearestSearch : protected Search {
   const double scale_;
   bool beyond_ = false;
   ClosestPair pair_ = {};
+  std::optional<VertexId> vertex_;  // that the best point is
   double squared_best_ = std::numeric_limits<double>::infinity();
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -252,6 +253,30 @@ TEST(ClosestPoint, HasNoFaceWithoutAnArea) {
     ASSERT_NE(closestPointOnTriangle(query, flat).feature, Feature::kFace);
     ASSERT_LE(errorOf(query, flat), kPromise);
   }
+}
+
+TEST(ClosestPoint, IsTheCornerFromWhichBothEdgesLeadAway) {
+  int found = 0;
+  const auto check = [&found](const Vector3d& query, const Triangle& t) {
+    const std::array<Vector3d, 3> corners = cornersOf(t);
+    for (const std::size_t i : {0, 1, 2}) {
+      const Vector3d offset = corners[i] - query;
+      if (!isClosestCorner(offset, corners[(i + 1) % 3] - corners[i],
+                           corners[(i + 2) % 3] - corners[i]))
+        continue;
+      ++found;
+      const ClosestPoint closest = closestPointOnTriangle(query, t);
+      ASSERT_EQ(closest.point, corners[i]);
+      ASSERT_EQ(closest.squared_distance, squaredLength(offset));
+    }
+  };
+  forEachSample(12, kSamples, check);
+  // From so far that rounding makes all corners, or the wrong one, the nearest.
+  forEachSample(13, kSamples, [&](const Vector3d& query, const Triangle& t) {
+    for (const double factor : {0x1p20, 0x1p26, 0x1p40, 0x1p60})
+      ASSERT_NO_FATAL_FAILURE(check(factor * query, t));
+  });
+  EXPECT_GT(found, kSamples);
 }
 
 TEST(ClosestPoint, IsFiniteForTheLargestCoordinates) {

@@ -44,4 +44,9 @@ struct ClosestPoint {
 /// (1983), for the difference of products.
 ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle);
 
+/// Whether the edges of a triangle [m] that start at the corner `offset` [m] from the query show
+/// that closestPointOnTriangle() gives that corner. It may where they do not.
+bool isClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
+                     const Eigen::Vector3d& other_edge);
+
 }  // namespace organ_collision::core
