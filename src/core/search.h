@@ -44,6 +44,9 @@ struct Search {
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its
   /// distance, or 0 where it matters no more.
   double (*measure)(Search& search, std::uint32_t leaf);
+  /// Whether a triangle is known not to be nearer than the nearest vertex so far, which it has too,
+  /// nor to come before the triangle named for it.
+  bool (*isTied)(const Search& search, std::uint32_t leaf);
   double best;              ///< the nearest triangle is not farther
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
 

@@ -116,8 +116,11 @@ class Walk {
     LaneFloats& lanes = followed.lanes[i];
     const std::uint32_t nearest_lane = followed.nearest - packet.first_leaf;
     if (nearest_lane < packet.lane_count) lanes[nearest_lane] = kFloatInfinity;
-    if ((Lanes<float>::load(lanes.data()) <= Lanes<float>::all(reach)).bits() != 0)
-      kept(scan(packet)).storeRounded(lanes);
+    std::uint32_t within = (Lanes<float>::load(lanes.data()) <= Lanes<float>::all(reach)).bits();
+    for (; within != 0 && search_.isTied(search_, packet.first_leaf + lowestBit(within));
+         within &= within - 1)
+      lanes[lowestBit(within)] = kept(static_cast<Real>(search_.best));
+    if (within != 0) kept(scan(packet)).storeRounded(lanes);
     if (nearest_lane < packet.lane_count) lanes[nearest_lane] = nearest;
     followed.bounds[i] = leastOf(Lanes<float>::load(lanes.data()));
   }
