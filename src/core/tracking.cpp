@@ -10,10 +10,43 @@
 
 namespace organ_collision::core {
 
+namespace {
+
+/// Whether to follow on: where triangles are small for the tip's steps, it costs more than it
+/// saves. Then it is tried again after ever longer rests.
+class Patience {
+ public:
+  void noteHit() { ++hits_; }
+  /// After a miss.
+  bool lasts() {
+    rest_ = hits_ < kFewHits ? std::min(2 * rest_ + 1, kLongestRest) : 0;
+    hits_ = 0;
+    left_ = rest_;
+    return left_ == 0;
+  }
+  /// Asked once a query.
+  bool rests() {
+    if (left_ == 0) return false;
+    --left_;
+    return true;
+  }
+
+ private:
+  static constexpr std::uint32_t kFewHits = 2;
+  static constexpr std::uint32_t kLongestRest = 63;  // queries
+  std::uint32_t hits_ = 0;                           // since the last miss
+  std::uint32_t rest_ = 0;                           // the last
+  std::uint32_t left_ = 0;                           // of it
+};
+
+}  // namespace
+
 /// Of the last query.
 struct Tracker::Memory {
   Followed followed;  // in the unit frame
+  Patience patience;
   bool valid = false;
+  bool follows = false;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
   MeshMotion motion;
@@ -44,8 +77,18 @@ class TrackedSearch : private NearestSearch<Tip> {
       if (sign == Sign::kProven) addSign(this->organ_, nearest);
       return nearest;
     }
-    this->followed = &memory_.followed;
-    if (!follow()) walk();
+    Patience& patience = memory_.patience;
+    if (patience.rests()) {
+      search();
+    } else if (!follows()) {
+      walk();
+    } else if (follow()) {
+      patience.noteHit();
+    } else if (patience.lasts()) {
+      walk();
+    } else {
+      search();
+    }
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
     if (sign == Sign::kProven) addSign(this->organ_, normalAt(nearest), nearest);
@@ -81,23 +124,35 @@ class TrackedSearch : private NearestSearch<Tip> {
     return (farthest + travel) * (1 + 8 * kRoundoff) * this->scale_;
   }
 
+  bool follows() const {
+    return memory_.valid && memory_.follows && memory_.motion.build == motion_.build &&
+           memory_.motion.travel <= motion_.travel && memory_.scale == this->scale_ &&
+           memory_.corner_count == this->tip_.corners().size();
+  }
+
   /// Whether the packets that are followed were enough.
   bool follow() {
-    if (!memory_.valid || memory_.motion.build != motion_.build ||
-        memory_.motion.travel > motion_.travel || memory_.scale != this->scale_ ||
-        memory_.corner_count != this->tip_.corners().size())
-      return false;
     constexpr double kKept = 1 - 0x1p-40;  // rounding takes less from sums of steps
     Followed& near = memory_.followed;
     near.drift += this->step();
     if (!(near.drift < near.clear * kKept)) return false;
+    this->followed = &near;
     kernels().follow(*this);
     this->bounds += near.count;
     return this->best + near.drift < near.clear * kKept;
   }
 
+  /// Follows nothing.
+  void search() {
+    memory_.follows = false;
+    this->followed = nullptr;
+    kernels().walk(*this);
+  }
+
   void walk() {
+    memory_.follows = true;
     Followed& near = memory_.followed;
+    this->followed = &near;
     near.count = 0;
     near.drift = 0.0;
     near.clear = this->unopened = std::numeric_limits<double>::infinity();

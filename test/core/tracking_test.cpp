@@ -150,6 +150,20 @@ TEST(Tracker, LooksAtLessThanHalfOfTheTrianglesOfASearch) {
   EXPECT_LT(tracked, searched / 2);
 }
 
+TEST(Tracker, LooksAtHardlyMoreThanASearchWhereTipsJump) {
+  const CollisionMesh organ(test::blob(6));
+  Tracker tracker;
+  std::mt19937 generator(36);
+  std::uint64_t tracked = 0;
+  std::uint64_t searched = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d tip = randomPoint(generator, sizeOf(organ));
+    tracked += tracker.nearestTriangle(organ, {}, tip).work.triangles;
+    searched += nearestTriangle(organ, tip).work.triangles;
+  }
+  EXPECT_LT(tracked, searched + searched / 10);
+}
+
 TEST(Tracker, RefusesATipThatIsNotANumber) {
   const CollisionMesh organ(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
