@@ -43,6 +43,7 @@ class Walk {
     for (std::uint32_t set = kRoot; set != kNoSet;
          set = stack.take(search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity},
                           boxes_left_out_)) {
+      if (search_.fetches) fetch(search_, stack.next());
       while ((set & kPacketBit) == 0) set = open(search_.nodes[set], stack);
       if (set == kNoSet) continue;
       const std::uint32_t packet = set & ~kPacketBit;
@@ -202,8 +203,8 @@ class Walk {
     const Keys keys = (chosenBy(matter) & used) != 0 ? keysOf(squares) : -1 - Keys{};
     const std::uint32_t nearest = leastOf(keys);
     if (nearest == kNoKey) return kNoSet;
-    const std::uint32_t next = stack.push(node, without(nearest, keys));
-    if (search_.fetches && next != kNoKey) fetch(search_, setIn(node, next & kLaneBits));
+    stack.push(node, without(nearest, keys));
+    if (search_.fetches) fetch(search_, stack.next());
     return setIn(node, nearest & kLaneBits);
   }
 

@@ -91,14 +91,12 @@ class Stack {
  public:
   explicit Stack(WaitingLanes* room) : end_(room), room_(room) {}
 
-  /// The lanes of a node that have keys. Returns the least key.
-  std::uint32_t push(const WideNode& node, const Keys& keys) {
+  /// The lanes of a node that have keys.
+  void push(const WideNode& node, const Keys& keys) {
     const Sets sets = setsOf(node);
     __builtin_memcpy(&end_->keys, &keys, sizeof(keys));
     __builtin_memcpy(&end_->sets, &sets, sizeof(sets));
-    const std::uint32_t nearest = leastOf(keys);
-    end_ += nearest != kNoKey ? 1 : 0;
-    return nearest;
+    end_ += leastOf(keys) != kNoKey ? 1 : 0;
   }
 
   /// The nearest of the topmost node, if its bound, squared, is at most `square`. Nodes without are
@@ -107,8 +105,7 @@ class Stack {
   std::uint32_t take(Real square, Lanes<Real>& dropped) {
     for (; end_ != room_; --end_) {
       WaitingLanes& top = end_[-1];
-      Keys keys;
-      __builtin_memcpy(&keys, &top.keys, sizeof(keys));
+      Keys keys = keysAt(top);
       const std::uint32_t nearest = leastOf(keys);
       if (Real{boundIn(nearest)} <= square) {
         keys = without(nearest, keys);
@@ -123,7 +120,20 @@ class Stack {
     return kNoSet;
   }
 
+  /// What is taken next, unless it is too far; kNoSet where the topmost node has nothing left.
+  std::uint32_t next() const {
+    if (end_ == room_) return kNoSet;
+    const std::uint32_t nearest = leastOf(keysAt(end_[-1]));
+    return nearest == kNoKey ? kNoSet : end_[-1].sets[nearest & kLaneBits];
+  }
+
  private:
+  static Keys keysAt(const WaitingLanes& lanes) {
+    Keys keys;
+    __builtin_memcpy(&keys, &lanes.keys, sizeof(keys));
+    return keys;
+  }
+
   WaitingLanes* end_;
   WaitingLanes* room_;
 };
@@ -135,8 +145,9 @@ inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
                  ((node.first_packet - node.node_count + kPacketBit) & is_packet));
 }
 
-/// Brings a set closer that will be needed.
+/// Brings a set closer that will be needed, if any.
 inline void fetch(const Search& search, std::uint32_t set) {
+  if (set == kNoSet) return;
   const bool is_packet = (set & kPacketBit) != 0;
   const char* item = is_packet ? reinterpret_cast<const char*>(search.packets + (set & ~kPacketBit))
                                : reinterpret_cast<const char*>(search.nodes + set);
