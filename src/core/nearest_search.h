@@ -136,8 +136,7 @@ class NearestSearch : protected Search {
     return organ_.mesh().corners(triangle)[static_cast<std::size_t>(feature)];
   }
 
-  /// Around a vertex that is nearest all triangles tie, and this takes a fifth of the time of
-  /// measuring them.
+  /// Around a vertex that is nearest all triangles tie: this is told sooner than they are measured.
   bool isTied(FarthestPairTree::Leaf leaf) const {
     if (!vertex_ || leaf <= best_leaf) return false;
     const auto& [a, b, c] = organ_.mesh().corners(organ_.tree().triangle(leaf));
