@@ -10,11 +10,9 @@
 
 namespace organ_collision::core {
 
-namespace {
-
 /// Whether to follow on: where triangles are small for the tip's steps, it costs more than it
 /// saves. Then it is tried again after ever longer rests.
-class Patience {
+class Tracker::Patience {
  public:
   void noteHit() { ++hits_; }
   /// After a miss.
@@ -38,8 +36,6 @@ class Patience {
   std::uint32_t rest_ = 0;                           // the last
   std::uint32_t left_ = 0;                           // of it
 };
-
-}  // namespace
 
 /// Of the last query.
 struct Tracker::Memory {
@@ -77,7 +73,7 @@ class TrackedSearch : private NearestSearch<Tip> {
       if (sign == Sign::kProven) addSign(this->organ_, nearest);
       return nearest;
     }
-    Patience& patience = memory_.patience;
+    auto& patience = memory_.patience;
     if (patience.rests()) {
       search();
     } else if (!follows()) {

@@ -17,8 +17,8 @@ struct MeshMotion {
 /// triangles that were near are kept with lower bounds of their distances, and so is one bound for
 /// all the rest; every motion of tip and mesh lowers the bounds by its length. Only packets whose
 /// bound falls below the nearest distance are looked at again, and while that of the rest does not,
-/// the answer is exact without the tree. Where it does again and again, nothing is followed for a
-/// while: then a query costs what nearestTriangle() does.
+/// the answer is exact without the tree. Where that does fall again and again, nothing is followed
+/// for a while: then a query costs what nearestTriangle() does.
 class Tracker {
  public:
   Tracker();
@@ -34,6 +34,7 @@ class Tracker {
                                   const Triangle& tip, Sign sign = Sign::kProven);
 
  private:
+  class Patience;
   struct Memory;
   std::unique_ptr<Memory> memory_;
 };
