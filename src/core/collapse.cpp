@@ -16,7 +16,7 @@ constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
 }  // namespace
 
 Collapse::Collapse(const FarthestPairTree& tree, const Points& centroids)
-    : tree_(tree), costs_(new Costs[centroids.size() - 1]) {
+    : tree_(tree), costs_(centroids.size() - 1) {
   const std::vector<Set> above = setsLargerThan(kTask, tree.root());
   std::vector<Set> tasks;
   if (above.empty()) tasks.push_back(tree.root());

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "core/raw_vector.h"
 #include "organ_collision/core/farthest_pair_tree.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/wide_node.h"
@@ -56,7 +56,7 @@ class Collapse {
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;
-  std::unique_ptr<Costs[]> costs_;  // of the hierarchy's nodes
+  RawVector<Costs> costs_;  // of the hierarchy's nodes
 };
 
 }  // namespace organ_collision::core

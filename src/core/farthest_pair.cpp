@@ -5,12 +5,12 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/kernels.h"
+#include "core/raw_vector.h"
 #include "organ_collision/core/box.h"
 
 namespace organ_collision::core {
@@ -39,17 +39,7 @@ double largestSquaredDistance(const Box& box, const Eigen::Vector3d& point) {
   return squaredLength((box.high - point).cwiseMax(point - box.low));
 }
 
-/// Up to some number of them; memory is touched for those that are there.
-struct PoweredPoints {
-  explicit PoweredPoints(std::size_t most) : room(new PoweredPoint[most]), last(room.get()) {}
-
-  PoweredPoint* begin() const { return room.get(); }
-  PoweredPoint* end() const { return last; }
-  std::size_t size() const { return static_cast<std::size_t>(last - room.get()); }
-
-  std::unique_ptr<PoweredPoint[]> room;
-  PoweredPoint* last;
-};
+using PoweredPoints = RawVector<PoweredPoint>;
 
 /// A set of points and the best pair found so far.
 class Diameter {
@@ -61,7 +51,7 @@ class Diameter {
     if (best_.squared_distance == 0.0) return best_;  // all coincide
     while (true) {
       const PoweredPoints outside = pointsOutsideBall();
-      if (outside.size() == 0) return best_;
+      if (outside.empty()) return best_;
       const PoweredPoint farthest_out = *std::max_element(
           outside.begin(), outside.end(),
           [](const PoweredPoint& a, const PoweredPoint& b) { return a.power < b.power; });
@@ -117,8 +107,8 @@ class Diameter {
   /// Those of a power of at least `least` with respect to the ball whose diameter is the best pair.
   PoweredPoints pointsOfPower(double least) const {
     PoweredPoints all(count_);
-    all.last = all.begin() + kernels().listByPower(points_, count_, plain(at(best_.first)),
-                                                   plain(at(best_.second)), least, all.begin());
+    all.resize(kernels().listByPower(points_, count_, plain(at(best_.first)),
+                                     plain(at(best_.second)), least, all.data()));
     return all;
   }
 
@@ -129,7 +119,7 @@ class Diameter {
     const auto is_known = [this](const PoweredPoint& point) {
       return point.index == best_.first || point.index == best_.second;
     };
-    outside.last = std::remove_if(outside.begin(), outside.end(), is_known);
+    outside.erase(std::remove_if(outside.begin(), outside.end(), is_known), outside.end());
     return outside;
   }
 

@@ -9,10 +9,10 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <tuple>
 
+#include "core/raw_vector.h"
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
 
@@ -39,24 +39,16 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
                                       });
 }
 
-/// x, y and z of points, one column after another; at first no numbers, so that whoever writes them
-/// is the first to touch the memory.
-class Columns {
- public:
-  explicit Columns(std::size_t size) : size_(size), values_(new double[3 * size]) {}
-
-  double* operator[](std::size_t axis) { return values_.get() + axis * size_; }
-  const double* operator[](std::size_t axis) const { return values_.get() + axis * size_; }
-
- private:
-  std::size_t size_;
-  std::unique_ptr<double[]> values_;
-};
+using Columns = std::array<RawVector<double>, 3>;
 
 constexpr std::size_t kTrianglesPerTask = 1024;
 
+Columns columnsOf(std::size_t size) {
+  return {RawVector<double>(size), RawVector<double>(size), RawVector<double>(size)};
+}
+
 Columns centroidsOf(const TriangleMesh& mesh) {
-  Columns centroids(mesh.triangleCount());
+  Columns centroids = columnsOf(mesh.triangleCount());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kTrianglesPerTask),
                     [&](const auto& some) {
                       for (std::size_t i = some.begin(); i < some.end(); ++i) {
@@ -72,9 +64,9 @@ Columns centroidsOf(const TriangleMesh& mesh) {
 /// By centroid, then by sorted corners: of two triangles, the lexicographically smaller.
 bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId first,
                 TriangleId second) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double one = centroids[axis][index(first)];
-    const double other = centroids[axis][index(second)];
+  for (const RawVector<double>& column : centroids) {
+    const double one = column[index(first)];
+    const double other = column[index(second)];
     if (one != other) return one < other;
   }
   const Triangle one = mesh.triangle(first);
@@ -89,7 +81,7 @@ bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId f
 /// many slices along x as they are, then sorted slice by slice.
 std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns& centroids) {
   const std::size_t count = mesh.triangleCount();
-  const auto [low, high] = std::minmax_element(centroids[0], centroids[0] + count);
+  const auto [low, high] = std::minmax_element(centroids[0].begin(), centroids[0].end());
   // Rounding is monotone: whoever has the smaller x is in no later slice.
   const auto slice_of = [&, least = *low, width = *high - *low](std::size_t i) {
     const double part = width > 0.0 ? (centroids[0][i] - least) / width : 0.0;
@@ -137,8 +129,8 @@ class FarthestPairTree::Builder {
  public:
   Builder(const TriangleMesh& mesh, std::vector<Node>& nodes)
       : nodes_(nodes),
-        centroids_(mesh.triangleCount()),
-        spare_centroids_(mesh.triangleCount()),
+        centroids_(columnsOf(mesh.triangleCount())),
+        spare_centroids_(columnsOf(mesh.triangleCount())),
         spare_triangles_(mesh.triangleCount()) {
     const Columns centroids = centroidsOf(mesh);
     triangles_ = orderedTriangles(mesh, centroids);

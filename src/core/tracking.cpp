@@ -74,16 +74,14 @@ class TrackedSearch : private NearestSearch<Tip> {
       return nearest;
     }
     auto& patience = memory_.patience;
-    if (patience.rests()) {
-      search();
-    } else if (!follows()) {
-      walk();
-    } else if (follow()) {
+    const bool rests = patience.rests();
+    const bool tries = !rests && follows();
+    if (tries && follow()) {
       patience.noteHit();
-    } else if (patience.lasts()) {
-      walk();
-    } else {
+    } else if (rests || (tries && !patience.lasts())) {
       search();
+    } else {
+      walk();
     }
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
