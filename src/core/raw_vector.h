@@ -11,7 +11,7 @@ template <class T>
 class RawAllocator : public std::allocator<T> {
  public:
   template <class Other>
-  struct rebind {
+  struct rebind {  // NOLINT(readability-identifier-naming): the name that std::vector wants
     using other = RawAllocator<Other>;
   };
 
