@@ -1,0 +1,169 @@
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "node/cube_organ.h"
+#include "node/moves.h"
+#include "node/organ.h"
+#include "test_meshes.h"
+
+namespace organ_collision::node {
+namespace {
+
+using core::Accuracy;
+using core::Points;
+using test::movesOf;
+using testing::HasSubstr;
+
+/// Asks a thousand questions around the organ's present surface.
+void ask(Organ& organ, const Accuracy& accuracy) {
+  std::mt19937 generator(61);
+  const auto snapshot = organ.snapshot();
+  const core::TriangleMesh& mesh = snapshot->organ.mesh();
+  for (int i = 0; i < 1024; ++i) {
+    const auto triangle = static_cast<core::TriangleId>(generator() % mesh.triangleCount());
+    const Eigen::Vector3d tip =
+        core::centroid(mesh.triangle(triangle)) + test::randomPoint(generator, 0.005);
+    organ.account(core::nearestTriangle(snapshot->organ, tip, accuracy), accuracy);
+  }
+}
+
+/// Crushed along x: splits across it part nothing any more.
+Points crushed(Points points) {
+  for (Eigen::Vector3d& point : points) point.x() *= 0.01;
+  return points;
+}
+
+TEST(Organ, RebuildsInTheBackgroundWhenQueriesHaveLostEnough) {
+  Organ organ("liver", "liver_frame", test::blob(4));
+  const auto signal = std::make_shared<Signal>();
+  organ.setSignal(signal);
+  organ.enqueue({{}, crushed(test::blob(4).positions())});
+  organ.work();
+  EXPECT_EQ(organ.builds().count, 1U);
+  int rounds = 0;
+  while (organ.builds().count == 1) {
+    ASSERT_LT(++rounds, 1000000);
+    ask(organ, Accuracy::exact());
+    signal->wait();  // raised by the queries, and by the rebuild that is ready
+    organ.work();
+    EXPECT_TRUE(rounds > 1 || organ.costRatio() > 1.0);
+  }
+  EXPECT_EQ(organ.snapshot()->last_action, Action::kRebuild);
+  EXPECT_EQ(organ.snapshot()->version, 2U);
+  EXPECT_THAT(organ.snapshot()->reason, HasSubstr("queries lost"));
+  EXPECT_THAT(organ.builds().reason, HasSubstr("queries lost"));
+  EXPECT_THAT(organ.builds().figures, HasSubstr("lost 0.0 ms"));
+  EXPECT_EQ(organ.costRatio(), 1.0);
+}
+
+/// Keeps rebuilds waiting until it is let go.
+class BusyBackground {
+ public:
+  BusyBackground() {
+    thread_->run([released = let_go_.get_future().share()] { released.wait(); });
+  }
+  void letGo() { let_go_.set_value(); }
+
+ private:
+  const std::shared_ptr<BackgroundThread> thread_ = BackgroundThread::shared();
+  std::promise<void> let_go_;
+};
+
+/// Flattens the organ and asks until it is to be rebuilt; returns what the last update answered.
+std::string wearOut(Organ& organ) {
+  organ.update({{}, crushed(organ.snapshot()->organ.mesh().positions())}, UpdateMode::kAuto, 0);
+  std::string reason;
+  for (int round = 0; round < 100000 && reason.find("rebuilding") == std::string::npos; ++round) {
+    ask(organ, Accuracy::greedy());
+    reason = organ.update({}, UpdateMode::kAuto, 0).reason;
+  }
+  return reason;
+}
+
+TEST(Organ, SaysInItsAnswerThatItRebuildsAndWhy) {
+  Organ organ("liver", "liver_frame", test::blob(4));
+  EXPECT_THAT(wearOut(organ), HasSubstr("rebuilding in the background: queries lost"));
+}
+
+TEST(Organ, CatchesUpWithWhatMovedDuringARebuildBeforeItIsSwappedIn) {
+  BusyBackground busy;
+  Organ organ("liver", "liver_frame", test::blob(4));
+  const auto signal = std::make_shared<Signal>();
+  organ.setSignal(signal);
+  wearOut(organ);
+  signal->wait();  // the queries raised it
+  Points expected = organ.snapshot()->organ.mesh().positions();
+  for (const std::size_t vertex : {3, 700, 3}) {
+    expected[vertex].z() += 0.01;
+    organ.update(movesOf({vertex}, {expected[vertex]}), UpdateMode::kRefit, 0);
+  }
+  EXPECT_EQ(organ.snapshot()->version, 5U);
+  EXPECT_EQ(organ.builds().count, 1U);
+  busy.letGo();
+  signal->wait();  // the rebuild is ready
+  EXPECT_TRUE(organ.work());
+  EXPECT_EQ(organ.builds().count, 2U);
+  EXPECT_EQ(organ.snapshot()->version, 5U);
+  EXPECT_EQ(organ.snapshot()->organ.mesh().positions(), expected);
+}
+
+TEST(Organ, ANewTopologyIsNotOverwrittenByARebuildOfTheFormer) {
+  BusyBackground busy;
+  Organ organ("liver", "liver_frame", test::blob(4));
+  wearOut(organ);
+  organ.replace(test::cube(), 0);
+  busy.letGo();
+  organ.update({}, UpdateMode::kRebuild, 0);  // after the former one has ended
+  EXPECT_EQ(organ.snapshot()->organ.mesh().triangleCount(), 12U);
+  EXPECT_EQ(organ.builds().count, 3U);
+  EXPECT_EQ(heightOfTop(organ), 1.0);
+}
+
+TEST(Organ, IsNotRebuiltForQueriesWhereNothingHasMoved) {
+  Organ organ("liver", "liver_frame", test::blob(3));
+  for (int round = 0; round < 50; ++round) {
+    ask(organ, Accuracy::greedy());
+    organ.work();
+  }
+  EXPECT_EQ(organ.costRatio(), 1.0);
+  EXPECT_THAT(organ.builds().figures, HasSubstr("lost 0.0 ms"));
+}
+
+TEST(Organ, NeitherStreamsNorUpdatesWaitForARebuildThatSomebodyWaitsFor) {
+  BusyBackground busy;
+  Organ organ = cube();
+  auto rebuilder =
+      std::async(std::launch::async, [&] { organ.update({}, UpdateMode::kRebuild, 0); });
+  ASSERT_EQ(rebuilder.wait_for(std::chrono::milliseconds(20)), std::future_status::timeout);
+  auto updates = std::async(std::launch::async, [&] {
+    organ.enqueue(movesOf({0}, {{0, 0, -1}}));
+    organ.work();
+    organ.update(movesOf({1}, {{1, 0, -1}}), UpdateMode::kAuto, 0);
+    organ.replace(test::cube(), 3);
+  });
+  EXPECT_EQ(updates.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(rebuilder.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  busy.letGo();
+}
+
+TEST(Organ, ARebuildThatIsAskedForBeginsAfterTheMovesThatItWasAskedWith) {
+  Organ organ("liver", "liver_frame", test::blob(5));
+  std::thread other([&] { organ.update({}, UpdateMode::kRebuild, 0); });
+  const Points flat = crushed(test::blob(5).positions());
+  const auto applied = organ.update({{}, flat}, UpdateMode::kRebuild, 0);
+  EXPECT_EQ(applied.version, 2U);
+  const core::CollisionMesh fresh(core::TriangleMesh(flat, test::blob(5).triangles()));
+  const auto now = organ.snapshot();
+  for (core::FarthestPairTree::Leaf leaf = 0; leaf < fresh.tree().root().size(); ++leaf)
+    ASSERT_EQ(now->organ.tree().triangle(leaf), fresh.tree().triangle(leaf));
+  other.join();
+}
+
+}  // namespace
+}  // namespace organ_collision::node
