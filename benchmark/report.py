@@ -12,19 +12,14 @@ import pathlib
 import re
 import sys
 
-import matplotlib
 import numpy as np
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the choice of what draws)
+from report_plots import KNOWN, OWN_UPDATE, THEIR_UPDATE, YARDSTICK, draw, entrants, rank, thousands
 
-YARDSTICK = "Embree"
 # What answers a task: like the peers with a distance that has no sign, and with all that it can tell.
 OWN = {"trajectory": "exact, unsigned, previous known", "batch": "exact, all cores"}
 OWN_WHOLE = {"trajectory": "exact, previous known", "batch": "exact, all cores"}
 THEIRS = {"batch": "Embree, all cores"}
-KNOWN = "Embree, previous known"
-OWN_UPDATE, THEIR_UPDATE = "this library", "Embree, refit"
 # Workload, setting (None: the exact one), triangles from and to, ratio to Embree to hold and to aim for.
 QUERY_TARGETS = [
     ("near", None, (2e3, 2e5), 3, 6), ("far", None, (2e3, 2e5), 4, 7),
@@ -36,14 +31,7 @@ QUERY_TARGETS = [
 ]
 UPDATE_TARGETS = [("all vertices", "refit of all vertices", (2e3, 2e5), 1.5, 4),
                   ("build", "build", (2e3, 2e5), 0.5, 1)]
-ORDER = ["greedy", "greedy, unsigned", "4 leaves", "16 leaves", "1 %", "exact", "exact, unsigned",
-         "exact, previous known", "exact, unsigned, previous known", "exact, all cores", YARDSTICK,
-         "Embree, robust", KNOWN, "Embree, all cores", "CGAL", "CGAL, previous known", "FCL OBBRSS",
-         "nanoflann on centroids", "brute force", OWN_UPDATE, OWN_UPDATE + ", partial", THEIR_UPDATE, "Embree, static",
-         "FCL OBBRSS, top down", "Bullet", "Bullet, partial"]
-SHARES_AT = 32768  # triangles, about, of the organ of which some vertices move in the plot
 GROWTH_FROM = 2000  # triangles: below, the caches hide the growth, and what is there once weighs
-COLOURS = ["#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"]  # Okabe and Ito (2008)
 
 
 # ---- reading
@@ -135,10 +123,6 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
-def thousands(count):
-    return f"{count:,}"
-
-
 def verdict(value, hold, aim):
     return "aimed for" if value >= aim else "held" if value >= hold else "**missed**"
 
@@ -209,17 +193,6 @@ def other_targets(results):
                                         ("contacts lost", "lost", 0, 1)):
             add(f"node end to end, {priority} priority, {what}", limit, node[key] * scale, f"{node[key] * scale:.3g}")
     return rows
-
-
-def entrants(organs, kind, task):
-    names = []
-    for organ in organs.values():
-        names += [name for name in organ.get(kind, {}).get(task, {}) if name not in names]
-    return sorted(names, key=rank)
-
-
-def rank(name):
-    return ORDER.index(name) if name in ORDER else len(ORDER)
 
 
 def queries(results):
@@ -318,69 +291,6 @@ def machine(results):
             f"itself); {entries[0]['tips']:,.0f} tips a workload, {len(entries[0]['times'])} repetitions.")
 
 
-# ---- plots
-
-def draw_growth(organs, file):
-    blobs = {name: organ for name, organ in organs.items() if name.startswith("blob") and "query" in organ}
-    figure, axes = plt.subplots(2, 2, figsize=(10, 8), sharex=True)
-    who_all = [who for who in entrants(blobs, "query", "trajectory") if who not in ("4 leaves", "Embree, robust")]
-    for axis, task in zip(axes.flat, ("near", "far", "inside", "trajectory")):
-        for i, who in enumerate(who_all):
-            points = [(organ["triangles"], 1e9 * organ["query"][task][who]["times"][0])
-                      for organ in blobs.values() if who in organ["query"].get(task, {})]
-            if points:
-                axis.loglog(*zip(*points), marker=".", label=who, color=COLOURS[i % len(COLOURS)],
-                            linestyle="-" if i < len(COLOURS) else "--")
-        axis.set(title=task, xlabel="triangles", ylabel="time per query [ns]")
-        axis.grid(alpha=0.3)
-    figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="lower center", ncol=4)
-    figure.tight_layout(rect=(0, 0.1, 1, 1))
-    figure.savefig(file)
-
-
-def draw_updates(organs, file):
-    """Build and following all vertices by triangles; following some of one organ's vertices by how many."""
-    blobs = {name: organ for name, organ in organs.items() if name.startswith("blob") and "update" in organ}
-    names = sorted({who for organ in blobs.values() for task in organ["update"].values() for who in task}, key=rank)
-    styles = {who: {"marker": ".", "label": who, "color": COLOURS[i % len(COLOURS)],
-                    "linestyle": "-" if i < len(COLOURS) else "--"} for i, who in enumerate(names)}
-    figure, axes = plt.subplots(1, 3, figsize=(14, 5))
-    for axis, task, title in zip(axes, ("build", "all vertices"), ("build", "follow all vertices")):
-        for who in entrants(blobs, "update", task):
-            points = [(organ["triangles"], 1e3 * organ["update"][task][who]["times"][0])
-                      for organ in blobs.values() if who in organ["update"][task]]
-            axis.loglog(*zip(*points), **styles[who])
-        axis.set(title=title, xlabel="triangles", ylabel="time [ms]")
-    one = min(blobs.values(), key=lambda organ: abs(np.log(organ["triangles"] / SHARES_AT)))
-    for who in names:
-        points = sorted((entry[who]["moved"], 1e3 * entry[who]["times"][0])
-                        for task, entry in one["update"].items() if task != "build" and who in entry)
-        if points:
-            axes[2].loglog(*zip(*points), **styles[who])
-    axes[2].set(title=f"follow some vertices, {thousands(one['triangles'])} triangles", xlabel="vertices moved",
-                ylabel="time [ms]")
-    for axis in axes:
-        axis.grid(alpha=0.3)
-    figure.legend([plt.Line2D([], [], **styles[who]) for who in names], names, loc="lower center", ncol=5)
-    figure.tight_layout(rect=(0, 0.12, 1, 1))
-    figure.savefig(file)
-
-
-def draw_latency(nodes, file):
-    figure, all_axes = plt.subplots(len(nodes), 1, figsize=(8, 3 * len(nodes)), sharex=True, squeeze=False)
-    for axis, (priority, node) in zip(all_axes.flat, nodes.items()):
-        ends, counts = np.array(node["histogram_us"]).T
-        axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
-        for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
-            axis.axvline(node[key], color=COLOURS[5], linewidth=1)
-            axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
-        axis.set(xscale="log", ylabel="share of tips")
-        axis.set_title(f"{priority} priority", loc="left", fontsize="medium")
-    all_axes[-1, 0].set_xlabel("from the transform sent to the contact received [us]")
-    figure.tight_layout()
-    figure.savefig(file)
-
-
 # ---- all
 
 def fill(page, name, text):
@@ -401,11 +311,7 @@ def main():
         text = fill(text, part.__name__, part(results))
     page.write_text(text)
     (page.parent / "performance.json").write_text(json.dumps(results, sort_keys=True) + "\n")
-    plt.rcParams.update({"svg.hashsalt": "organ_collision", "svg.fonttype": "none"})
-    draw_growth(results["organs"], page.parent / "performance_growth.svg")
-    draw_updates(results["organs"], page.parent / "performance_updates.svg")
-    if results["node_latency"]:
-        draw_latency(results["node_latency"], page.parent / "performance_latency.svg")
+    draw(results, page.parent)
 
 
 if __name__ == "__main__":
