@@ -52,27 +52,28 @@ void Collapse::weighUpwards(const std::vector<Set>& sets, const Points& centroid
 Collapse::Layout Collapse::layout() const {
   Layout layout;
   layout.nodes.push_back({tree_.root(), 0, 0, 0, 0, 0});
-  for (std::uint32_t level = 0; level < layout.nodes.size();) {
-    layout.levels.push_back(level);
-    const auto next = static_cast<std::uint32_t>(layout.nodes.size());
-    for (; level < next; ++level) addChildren(level, layout);
+  for (std::uint32_t node = 0; node < layout.nodes.size();) {
+    layout.levels.push_back(node);
+    const auto next_level = static_cast<std::uint32_t>(layout.nodes.size());
+    for (; node < next_level; ++node) addChildren(node, layout);
   }
   return layout;
 }
 
-/// Packets that are neighbours become one if there is room.
+/// Neighbours share a packet if there is room.
+void Collapse::Layout::addPacket(const Set& set, std::uint32_t parent) {
+  if (!packets.empty() && packets.back().parent == parent && packets.back().end == set.begin &&
+      set.end - packets.back().begin <= kLaneCount) {
+    packets.back().end = set.end;
+  } else {
+    packets.push_back({set.begin, set.end, parent});
+  }
+}
+
 void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
   const Set whole = layout.nodes[parent].set;
   const std::size_t first_node = layout.nodes.size();
   const std::size_t first_packet = layout.packets.size();
-  const auto add_packet = [&](const Set& set) {
-    if (layout.packets.size() > first_packet && layout.packets.back().end == set.begin &&
-        set.end - layout.packets.back().begin <= kLaneCount) {
-      layout.packets.back().end = set.end;
-    } else {
-      layout.packets.push_back({set.begin, set.end, parent});
-    }
-  };
   struct Pending {
     Set set;
     std::uint32_t slots;
@@ -86,7 +87,7 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
     pending[count++] = {one, for_first};
   };
   if (isPacket(whole)) {
-    add_packet(whole);
+    layout.addPacket(whole, parent);
   } else {
     divide(whole, kLaneCount);
   }
@@ -96,7 +97,7 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
     if (used > 1) {
       divide(set, used);
     } else if (isPacket(set)) {
-      add_packet(set);
+      layout.addPacket(set, parent);
     } else {
       layout.nodes.push_back({set, parent, 0, 0, 0, 0});
     }

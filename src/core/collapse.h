@@ -38,6 +38,8 @@ class Collapse {
     std::vector<Node> nodes;
     std::vector<Packet> packets;
     std::vector<std::uint32_t> levels;  ///< the first node of each
+
+    void addPacket(const Set& set, std::uint32_t parent);
   };
   Layout layout() const;
 
