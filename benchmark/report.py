@@ -18,7 +18,7 @@ from report_plots import KNOWN, OWN_UPDATE, THEIR_UPDATE, YARDSTICK, draw, entra
 
 # What answers a task: like the peers with a distance that has no sign, and with all that it can tell.
 OWN = {"trajectory": "exact, unsigned, previous known", "batch": "exact, all cores"}
-OWN_WHOLE = {"trajectory": "exact, previous known", "batch": "exact, all cores"}
+OWN_WHOLE = {"trajectory": "exact, previous known"}
 THEIRS = {"batch": "Embree, all cores"}
 # Workload, setting (None: the exact one), triangles from and to, ratio to Embree to hold and to aim for.
 QUERY_TARGETS = [

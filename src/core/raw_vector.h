@@ -15,6 +15,10 @@ class RawAllocator : public std::allocator<T> {
     using other = RawAllocator<Other>;
   };
 
+  RawAllocator() = default;
+  template <class Other>
+  RawAllocator(const RawAllocator<Other>& other) : std::allocator<T>(other) {}
+
   template <class Item, class... Arguments>
   void construct(Item* place, Arguments&&... arguments) {
     if constexpr (sizeof...(Arguments) == 0) {

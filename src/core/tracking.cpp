@@ -39,10 +39,8 @@ class Tracker::Patience {
 
 /// Of the last query.
 struct Tracker::Memory {
-  Followed followed;  // in the unit frame
+  Followed followed;  // in the unit frame; nothing where the last query followed nothing
   Patience patience;
-  bool valid = false;
-  bool follows = false;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
   MeshMotion motion;
@@ -68,7 +66,7 @@ class TrackedSearch : private NearestSearch<Tip> {
 
   NearestTriangle run(Sign sign) {
     if (!isNear()) {
-      memory_.valid = false;
+      memory_.followed.count = 0;
       NearestTriangle nearest = NearestSearch<Tip>::run();
       if (sign == Sign::kProven) addSign(this->organ_, nearest);
       return nearest;
@@ -119,7 +117,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   }
 
   bool follows() const {
-    return memory_.valid && memory_.follows && memory_.motion.build == motion_.build &&
+    return memory_.followed.count > 0 && memory_.motion.build == motion_.build &&
            memory_.motion.travel <= motion_.travel && memory_.scale == this->scale_ &&
            memory_.corner_count == this->tip_.corners().size();
   }
@@ -138,24 +136,23 @@ class TrackedSearch : private NearestSearch<Tip> {
 
   /// Follows nothing.
   void search() {
-    memory_.follows = false;
+    memory_.followed.count = 0;
     this->followed = nullptr;
     kernels().walk(*this);
   }
 
   void walk() {
-    memory_.follows = true;
     Followed& near = memory_.followed;
     this->followed = &near;
     near.count = 0;
     near.drift = 0.0;
     near.clear = this->unopened = std::numeric_limits<double>::infinity();
-    if (!memory_.valid)
+    if (memory_.slack == 0.0)
       memory_.slack =
           kFirstSlack / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
     this->slack = memory_.slack;
     kernels().walk(*this);
-    if (near.count < kFewPackets) memory_.slack *= kSlackStep;
+    if (near.count < kFewPackets) memory_.slack = std::min(memory_.slack * kSlackStep, kFar);
     if (near.count > kManyPackets) memory_.slack /= kSlackStep;
     near.nearest = this->best_leaf;
   }
@@ -170,13 +167,12 @@ class TrackedSearch : private NearestSearch<Tip> {
   }
 
   bool isNormalKnown(const NearestTriangle& nearest) const {
-    return memory_.valid && memory_.motion.build == motion_.build &&
+    return memory_.normal && memory_.motion.build == motion_.build &&
            memory_.motion.travel == motion_.travel && memory_.triangle == nearest.triangle &&
            memory_.feature == nearest.closest.feature;
   }
 
   void remember() {
-    memory_.valid = true;
     const auto now = this->tip_.corners();
     std::copy(now.begin(), now.end(), memory_.corners.begin());
     memory_.corner_count = now.size();
