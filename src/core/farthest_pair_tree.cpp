@@ -127,7 +127,7 @@ constexpr double kPoleRounding = 0x1p-46;
 /// split side by side.
 class FarthestPairTree::Builder {
  public:
-  Builder(const TriangleMesh& mesh, std::vector<Node>& nodes)
+  Builder(const TriangleMesh& mesh, HugePageVector<Node>& nodes)
       : nodes_(nodes),
         centroids_(columnsOf(mesh.triangleCount())),
         spare_centroids_(columnsOf(mesh.triangleCount())),
@@ -249,7 +249,7 @@ class FarthestPairTree::Builder {
     }
   }
 
-  std::vector<Node>& nodes_;
+  HugePageVector<Node>& nodes_;
   Columns centroids_, spare_centroids_;
   std::vector<TriangleId> triangles_, spare_triangles_;
   std::atomic<std::size_t> depth_ = 0;

@@ -39,8 +39,9 @@ inline std::uint32_t leafIn(const TrianglePacket& packet, std::uint32_t lane) {
 /// One corner of each of a packet's triangles, in the unit frame.
 inline LaneVector<float> cornerOf(const PlainMesh& mesh, const TrianglePacket& packet,
                                   std::uint32_t corner) {
-  return gather(
-      [&](std::uint32_t lane) { return mesh.places + mesh.corners[leafIn(packet, lane)][corner]; });
+  return gather([&](std::uint32_t lane) {
+    return mesh.places + static_cast<std::uint32_t>(mesh.corners[leafIn(packet, lane)][corner]);
+  });
 }
 
 inline void store(const LaneVector<float>& v, LanePoints& points) {

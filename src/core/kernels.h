@@ -25,8 +25,8 @@ struct PlainUnitFrame {
 
 /// Where triangles are.
 struct PlainMesh {
-  const VertexPlace* places;                    ///< of the vertices
-  const std::array<std::uint32_t, 3>* corners;  ///< of each leaf
+  const VertexPlace* places;  ///< of the vertices
+  const Corners* corners;     ///< of each leaf
 };
 
 /// What is to be enclosed.

@@ -66,6 +66,7 @@ class NearestSearch : protected Search {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
     packets = tree.packets().data();
+    leaf_corners = tree.corners().data();
     fetches = tree.packets().size() > kUncachedPackets;
     Eigen::Vector3d last = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (const Eigen::Vector3d& corner : tip.corners()) {
@@ -114,14 +115,14 @@ class NearestSearch : protected Search {
   double measure(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return 0.0;
     if (isTied(leaf)) return best;
-    const TriangleId triangle = organ_.tree().triangle(leaf);
-    const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(triangle));
+    const Corners& vertices = leaf_corners[leaf];
+    const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
     const double unit_distance = std::sqrt(squared_distance) * scale_;
     if (squared_distance < squared_best_ ||
         (squared_distance == squared_best_ && leaf < best_leaf)) {
       pair_ = candidate;
-      vertex_ = nearestVertex(triangle);
+      vertex_ = nearestVertex(vertices);
       best_leaf = leaf;
       squared_best_ = squared_distance;
       best = std::min(best, unit_distance);
@@ -129,17 +130,17 @@ class NearestSearch : protected Search {
     return unit_distance;
   }
 
-  /// That a point is nearest to, on the best triangle.
-  std::optional<VertexId> nearestVertex(TriangleId triangle) const {
+  /// That a point is nearest to, of the best triangle's.
+  std::optional<VertexId> nearestVertex(const Corners& vertices) const {
     const Feature feature = pair_.on_second.feature;
     if (!std::is_same_v<Tip, PointTip> || feature > Feature::kVertexC) return std::nullopt;
-    return organ_.mesh().corners(triangle)[static_cast<std::size_t>(feature)];
+    return vertices[static_cast<std::size_t>(feature)];
   }
 
   /// Around a vertex that is nearest all triangles tie: this is told sooner than they are measured.
   bool isTied(FarthestPairTree::Leaf leaf) const {
     if (!vertex_ || leaf <= best_leaf) return false;
-    const auto& [a, b, c] = organ_.mesh().corners(organ_.tree().triangle(leaf));
+    const auto& [a, b, c] = leaf_corners[leaf];
     if (a == *vertex_) return leadAway(a, b, c);
     if (b == *vertex_) return leadAway(b, c, a);
     return c == *vertex_ && leadAway(c, a, b);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "organ_collision/core/ids.h"
 #include "organ_collision/core/wide_node.h"
 
 namespace organ_collision::core {
@@ -33,7 +34,8 @@ struct Followed {
 struct Search {
   const WideNode* nodes;
   const TrianglePacket* packets;
-  bool fetches;  ///< they are so many that it is worth while to fetch what waits from memory
+  const Corners* leaf_corners;
+  bool fetches;  ///< they are so many that it is worth while to fetch early what will be read
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count;
   std::uint32_t leaves_left;  ///< that may be looked at

@@ -275,6 +275,7 @@ class Walk {
       promised_ = true;
       promised_leaf_ = packet.first_leaf +
                        lowestBit((allowed & (range.high <= Lanes<Real>::all(nearest))).bits());
+      if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
     }
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
     left_out_ = leastOfThose(used & !matter, bounds, left_out_);

@@ -137,9 +137,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 void WideTree::listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
                         std::size_t place) {
   const TriangleId triangle = tree.triangle(leaf);
-  const auto number = [](VertexId vertex) { return static_cast<std::uint32_t>(index(vertex)); };
-  const auto& [a, b, c] = mesh.corners(triangle);
-  corners_[leaf] = {number(a), number(b), number(c)};
+  corners_[leaf] = mesh.corners(triangle);
   places_[index(triangle)] = static_cast<std::uint32_t>(place);
 }
 
@@ -295,10 +293,8 @@ std::size_t WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
   const Packet& packet = packets_[number];
   std::uint32_t& flat = tallies_[number].flat;
   for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) {
-    const auto& [a, b, c] = corners_[packet.first_leaf + lane];
-    if ((flat >> lane & 1U) != 0 &&
-        !collinear(mesh.positions()[a], mesh.positions()[b], mesh.positions()[c]))
-      flat &= ~(1U << lane);
+    const auto& [a, b, c] = mesh.triangle(corners_[packet.first_leaf + lane]);
+    if ((flat >> lane & 1U) != 0 && !collinear(a, b, c)) flat &= ~(1U << lane);
   }
   return std::bitset<kLaneCount>(flat).count();
 }
@@ -328,13 +324,14 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
 
 std::size_t WideTree::searchMemory() const {
   return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(Packet) +
+         corners_.capacity() * sizeof(Corners) +
          centroids_.places.capacity() * sizeof(centroids_.places.front());
 }
 
 std::size_t WideTree::memory() const {
   return searchMemory() + vertices_.capacity() * sizeof(VertexPlace) +
          tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
-         corners_.capacity() * sizeof(corners_.front()) + parts_.capacity() * sizeof(NodePart) +
+         parts_.capacity() * sizeof(NodePart) +
          (first_parts_.capacity() + parents_.capacity() + places_.capacity() + levels_.capacity()) *
              sizeof(std::uint32_t);
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "organ_collision/core/huge_pages.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/unit_frame.h"
 
@@ -51,7 +52,7 @@ class FarthestPairTree {
   /// Where the triangles are, as well as single precision can tell.
   struct Centroids {
     UnitFrame frame;
-    std::vector<std::array<float, 3>> places;  ///< in that frame, of each leaf
+    HugePageVector<std::array<float, 3>> places;  ///< in that frame, of each leaf
   };
 
   /// Where the paper's search leads: go to the child whose pole is nearer to `tip` [m], of equally
@@ -78,7 +79,7 @@ class FarthestPairTree {
   bool isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
                            const Eigen::Vector3d& tip) const;
 
-  std::vector<Node> nodes_;
+  HugePageVector<Node> nodes_;
   std::vector<TriangleId> leaves_;
   std::size_t depth_ = 0;
 };

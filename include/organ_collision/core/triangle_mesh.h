@@ -33,10 +33,10 @@ class TriangleMesh {
 
   const Eigen::Vector3d& position(VertexId id) const { return positions_[index(id)]; }
   const Corners& corners(TriangleId id) const { return triangles_[index(id)]; }
-  Triangle triangle(TriangleId id) const {
-    const Corners& corner = corners(id);
-    return {position(corner[0]), position(corner[1]), position(corner[2])};
+  Triangle triangle(const Corners& corners) const {
+    return {position(corners[0]), position(corners[1]), position(corners[2])};
   }
+  Triangle triangle(TriangleId id) const { return triangle(corners(id)); }
 
   /// Moves all vertices [m]; returns their box. Throws std::invalid_argument and leaves the mesh as
   /// it was if the count differs or a position is not finite.

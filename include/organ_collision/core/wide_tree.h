@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/huge_pages.h"
 #include "organ_collision/core/mesh_health.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/unit_frame.h"
@@ -57,8 +58,9 @@ class WideTree {
   }
   const UnitFrame& frame() const { return centroids_.frame; }
   const FarthestPairTree::Centroids& centroids() const { return centroids_; }
-  const std::vector<Node>& nodes() const { return nodes_; }  ///< the root first
-  const std::vector<Packet>& packets() const { return packets_; }
+  const HugePageVector<Node>& nodes() const { return nodes_; }  ///< the root first
+  const HugePageVector<Packet>& packets() const { return packets_; }
+  const HugePageVector<Corners>& corners() const { return corners_; }  ///< of each leaf
 
   std::size_t depth() const { return levels_.size(); }  ///< nodes on the longest path to a packet
   std::size_t memory() const;                           ///< [bytes]
@@ -85,20 +87,20 @@ class WideTree {
   void enclose(const Range& nodes, Fit fit);
 
   FarthestPairTree::Centroids centroids_;
-  std::vector<Node> nodes_;
-  std::vector<Packet> packets_;
-  std::vector<VertexPlace> vertices_;
+  HugePageVector<Node> nodes_;
+  HugePageVector<Packet> packets_;
+  HugePageVector<VertexPlace> vertices_;
   std::vector<PacketTally> tallies_;  // of the packets
   HealthTally tally_;
   std::vector<bool> touched_;  // nodes, then packets; none but while some are refitted
 
   // The rest stays as it was built.
-  std::vector<std::array<std::uint32_t, 3>> corners_;  // of each leaf
-  std::vector<NodePart> parts_;                        // one node's after another's
-  std::vector<std::uint32_t> first_parts_;             // of each node and, one more, their end
-  std::vector<std::uint32_t> parents_;                 // of the nodes
-  std::vector<std::uint32_t> places_;  // of each triangle: its packet * 8 + its lane
-  std::vector<std::uint32_t> levels_;  // the first node of each
+  HugePageVector<Corners> corners_;         // of each leaf
+  std::vector<NodePart> parts_;             // one node's after another's
+  std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
+  std::vector<std::uint32_t> parents_;      // of the nodes
+  std::vector<std::uint32_t> places_;       // of each triangle: its packet * 8 + its lane
+  std::vector<std::uint32_t> levels_;       // the first node of each
 };
 
 }  // namespace organ_collision::core

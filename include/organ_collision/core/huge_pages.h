@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace organ_collision::core {
+
+/// [bytes] Of a page that an array may lie in which is at least as large.
+constexpr std::size_t kHugePage = std::size_t{1} << 21U;
+
+/// Memory for an array of `size` [bytes], in huge pages if it is large and the system has them.
+/// Throws std::bad_alloc.
+void* allocateArray(std::size_t size, std::size_t alignment);
+/// REQUIRES: what was allocated so.
+void freeArray(void* array, std::size_t size, std::size_t alignment) noexcept;
+
+/// For arrays that are read here and there: to find an address in one of many small pages can take
+/// longer than to read it.
+template <class T>
+struct HugePageAllocator {
+  using value_type = T;  // NOLINT(readability-identifier-naming): the name that std::vector wants
+
+  HugePageAllocator() = default;
+  template <class Other>
+  HugePageAllocator(const HugePageAllocator<Other>& /*other*/) {}
+
+  T* allocate(std::size_t count) {
+    return static_cast<T*>(allocateArray(count * sizeof(T), alignof(T)));
+  }
+  void deallocate(T* array, std::size_t count) noexcept {
+    freeArray(array, count * sizeof(T), alignof(T));
+  }
+
+  friend bool operator==(const HugePageAllocator& /*one*/, const HugePageAllocator& /*other*/) {
+    return true;
+  }
+  friend bool operator!=(const HugePageAllocator& /*one*/, const HugePageAllocator& /*other*/) {
+    return false;
+  }
+};
+
+template <class T>
+using HugePageVector = std::vector<T, HugePageAllocator<T>>;
+
+}  // namespace organ_collision::core
