@@ -58,11 +58,7 @@ template <class Tip>
 class NearestSearch : protected Search {
  public:
   NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy)
-      : Search(),
-        organ_(organ),
-        tip_(tip),
-        accuracy_(accuracy),
-        scale_(organ.wideTree().frame().scale) {
+      : organ_(organ), tip_(tip), accuracy_(accuracy), scale_(organ.wideTree().frame().scale) {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
     packets = tree.packets().data();
@@ -187,7 +183,7 @@ class NearestSearch : protected Search {
   const Accuracy& accuracy_;
   const double scale_;
   bool beyond_ = false;
-  ClosestPair pair_ = {};
+  ClosestPair pair_;
   std::optional<VertexId> vertex_;  // that the best point is
   double squared_best_ = std::numeric_limits<double>::infinity();
 };

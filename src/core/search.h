@@ -37,7 +37,7 @@ struct Search {
   const Corners* leaf_corners;
   bool fetches;  ///< they are so many that it is worth while to fetch early what will be read
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
-  std::uint32_t corner_count;
+  std::uint32_t corner_count = 0;
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
   WaitingLanes* stack;      ///< room for one to a level
@@ -52,11 +52,11 @@ struct Search {
   double best;              ///< the nearest triangle is not farther
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
 
-  double slack;        ///< followed is what is farther than the best by this, too
-  Followed* followed;  ///< where to put the packets looked at, or null
+  double slack = 0.0;            ///< followed is what is farther than the best by this, too
+  Followed* followed = nullptr;  ///< where to put the packets looked at, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
-  std::uint32_t bounds, triangles;  ///< boxes and triangles looked at
+  std::uint32_t bounds = 0, triangles = 0;  ///< boxes and triangles looked at
 };
 
 }  // namespace organ_collision::core
