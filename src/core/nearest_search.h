@@ -52,7 +52,7 @@ WaitingLanes* scratch(std::size_t depth);
 constexpr double kBeyond = 0x1p400;
 
 /// More than that are not to be found in a core's own cache.
-constexpr std::size_t kUncachedPackets = 1U << 14U;
+constexpr std::size_t kUncachedPackets = 1U << 12U;
 
 template <class Tip>
 class NearestSearch : protected Search {

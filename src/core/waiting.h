@@ -105,7 +105,8 @@ class Stack {
   std::uint32_t take(Real square, Lanes<Real>& dropped) {
     for (; end_ != room_; --end_) {
       WaitingLanes& top = end_[-1];
-      Keys keys = keysAt(top);
+      Keys keys;
+      __builtin_memcpy(&keys, &top.keys, sizeof(keys));
       const std::uint32_t nearest = leastOf(keys);
       if (Real{boundIn(nearest)} <= square) {
         keys = without(nearest, keys);
@@ -120,20 +121,7 @@ class Stack {
     return kNoSet;
   }
 
-  /// What is taken next, unless it is too far; kNoSet where the topmost node has nothing left.
-  std::uint32_t next() const {
-    if (end_ == room_) return kNoSet;
-    const std::uint32_t nearest = leastOf(keysAt(end_[-1]));
-    return nearest == kNoKey ? kNoSet : end_[-1].sets[nearest & kLaneBits];
-  }
-
  private:
-  static Keys keysAt(const WaitingLanes& lanes) {
-    Keys keys;
-    __builtin_memcpy(&keys, &lanes.keys, sizeof(keys));
-    return keys;
-  }
-
   WaitingLanes* end_;
   WaitingLanes* room_;
 };
@@ -145,13 +133,14 @@ inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
                  ((node.first_packet - node.node_count + kPacketBit) & is_packet));
 }
 
-/// Brings a set closer that will be needed, if any.
-inline void fetch(const Search& search, std::uint32_t set) {
-  if (set == kNoSet) return;
+/// Brings a set closer that may be opened soon.
+[[gnu::always_inline]] inline void fetch(const Search& search, std::uint32_t set) {
   const bool is_packet = (set & kPacketBit) != 0;
   const char* item = is_packet ? reinterpret_cast<const char*>(search.packets + (set & ~kPacketBit))
                                : reinterpret_cast<const char*>(search.nodes + set);
-  for (std::size_t i = 0; i < sizeof(WideNode); i += 64) __builtin_prefetch(item + i);
+  constexpr std::size_t kLine = 64;
+  static_assert(sizeof(WideNode) <= sizeof(TrianglePacket));
+  for (std::size_t i = 0; i < sizeof(TrianglePacket); i += kLine) __builtin_prefetch(item + i);
 }
 
 }  // namespace
