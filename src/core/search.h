@@ -11,10 +11,11 @@ namespace organ_collision::core {
 /// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
 constexpr double kFar = 8.0;
 
-/// What waits of a node that was opened.
+/// What waits of a node that was opened: one set that comes next, and perhaps more.
 struct alignas(64) WaitingLanes {
-  std::array<std::int32_t, kLaneCount> keys;   ///< see keysOf(); -1: nothing waits in the lane
-  std::array<std::uint32_t, kLaneCount> sets;  ///< of all lanes
+  std::array<std::int32_t, kLaneCount> keys;  ///< see keysOf(); -1: no more waits in the lane
+  const WideNode* node;
+  std::uint32_t next_key, next_set;
 };
 
 /// The packets that may hold what is nearest to a tip while it moves. Bounds are kept as they were

@@ -198,20 +198,21 @@ class Walk {
     const Truth<Real> matter = squares <= Lanes<Real>::all(squared_reach_);
     // Lanes that are not in use repeat others.
     boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
+    const std::uint32_t waiting = matter.bits() & ((1U << node.lane_count) - 1);
+    if (waiting == 0) return kNoSet;
+    if (search_.fetches) fetchThose(waiting, node);
+    const Keys none = -1 - Keys{};
     const Keys used = kLaneNumbers < static_cast<std::int32_t>(node.lane_count);
-    const Keys keys = (chosenBy(matter) & used) != 0 ? keysOf(squares) : -1 - Keys{};
-    const std::uint32_t nearest = leastOf(keys);
-    if (nearest == kNoKey) return kNoSet;
-    stack.push(node, without(nearest, keys));
-    if (search_.fetches) fetchThose(matter.bits(), node);
+    const Keys keys = used != 0 ? keysOf(squares) : none;
+    const std::uint32_t nearest = leastOf(keys);  // among those that matter, as some do
+    stack.push(node, without(nearest, chosenBy(matter) != 0 ? keys : none));
     return setIn(node, nearest & kLaneBits);
   }
 
   /// Brings what is in these lanes of a node closer, by bits. As a call gcc would leave it out, as
   /// one that does nothing.
   [[gnu::always_inline]] void fetchThose(std::uint32_t lanes, const WideNode& node) const {
-    for (lanes &= (1U << node.lane_count) - 1; lanes != 0; lanes &= lanes - 1)
-      fetch(search_, setIn(node, lowestBit(lanes)));
+    for (; lanes != 0; lanes &= lanes - 1) fetch(search_, setIn(node, lowestBit(lanes)));
   }
 
   Range<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {

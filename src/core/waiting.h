@@ -32,9 +32,6 @@ inline Keys keysOf(const Lanes<double>& squares) {
   return keysOf(rounded);
 }
 
-/// Bits of a bound that is a trifle less than the key's was.
-inline Keys boundsOf(const Keys& keys) { return keys & ~kLaneBits; }
-
 /// Lanes as truths of the width of keys.
 inline Keys chosenBy(const Truth<float>& truth) {
   Keys keys;
@@ -65,14 +62,6 @@ inline std::uint32_t leastOf(const Keys& keys) {
   return least[0];
 }
 
-/// The sets in the lanes of a node.
-inline Sets setsOf(const WideNode& node) {
-  const Keys is_packet = kLaneNumbers >= static_cast<std::int32_t>(node.node_count);
-  const Sets nodes = node.first_node - Sets{};
-  const Sets packets = node.first_packet - node.node_count + kPacketBit - Sets{};
-  return (is_packet ? packets : nodes) + reinterpret_cast<Sets>(kLaneNumbers);
-}
-
 /// The bound in a key, a trifle less than it was; not a number where there is none.
 inline float boundIn(std::uint32_t key) {
   const std::uint32_t bits = key & ~static_cast<std::uint32_t>(kLaneBits);
@@ -86,17 +75,23 @@ inline Keys without(std::uint32_t key, const Keys& keys) {
   return keys == static_cast<std::int32_t>(key) ? -1 - Keys{} : keys;
 }
 
-/// Node by node, the last on top; of a node the nearest comes first.
+/// The set in a lane of a node, without a branch on whether it is a packet.
+inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
+  const std::uint32_t is_packet = 0U - static_cast<std::uint32_t>(lane >= node.node_count);
+  return lane + ((node.first_node & ~is_packet) |
+                 ((node.first_packet - node.node_count + kPacketBit) & is_packet));
+}
+
+/// Node by node, the last on top; of a node the nearest comes first. It is found before it is asked
+/// for, as whoever asks waits for it.
 class Stack {
  public:
   explicit Stack(WaitingLanes* room) : end_(room), room_(room) {}
 
   /// The lanes of a node that have keys.
   void push(const WideNode& node, const Keys& keys) {
-    const Sets sets = setsOf(node);
-    __builtin_memcpy(&end_->keys, &keys, sizeof(keys));
-    __builtin_memcpy(&end_->sets, &sets, sizeof(sets));
-    end_ += leastOf(keys) != kNoKey ? 1 : 0;
+    end_->node = &node;
+    end_ += prepare(*end_, keys) ? 1 : 0;
   }
 
   /// The nearest of the topmost node, if its bound, squared, is at most `square`. Nodes without are
@@ -105,33 +100,33 @@ class Stack {
   std::uint32_t take(Real square, Lanes<Real>& dropped) {
     for (; end_ != room_; --end_) {
       WaitingLanes& top = end_[-1];
-      Keys keys;
-      __builtin_memcpy(&keys, &top.keys, sizeof(keys));
-      const std::uint32_t nearest = leastOf(keys);
-      if (Real{boundIn(nearest)} <= square) {
-        keys = without(nearest, keys);
-        __builtin_memcpy(&top.keys, &keys, sizeof(keys));
-        return top.sets[nearest & kLaneBits];
+      const Real bound = boundIn(top.next_key);
+      if (bound <= square) {
+        const std::uint32_t set = top.next_set;
+        Keys keys;
+        __builtin_memcpy(&keys, &top.keys, sizeof(keys));
+        end_ -= prepare(top, keys) ? 0 : 1;
+        return set;
       }
-      const Keys bounds = boundsOf(keys);
-      alignas(kVectorBytes) float squares[kLanes];
-      __builtin_memcpy(squares, &bounds, sizeof(squares));
-      dropped = smaller(Lanes<Real>::load(squares), dropped);
+      dropped = smaller(Lanes<Real>::all(bound), dropped);
     }
     return kNoSet;
   }
 
  private:
+  /// Takes the nearest from the keys, for next time; false if there is none.
+  static bool prepare(WaitingLanes& lanes, const Keys& keys) {
+    const std::uint32_t nearest = leastOf(keys);
+    const Keys others = without(nearest, keys);
+    __builtin_memcpy(&lanes.keys, &others, sizeof(others));
+    lanes.next_key = nearest;
+    lanes.next_set = setIn(*lanes.node, nearest & kLaneBits);
+    return nearest != kNoKey;
+  }
+
   WaitingLanes* end_;
   WaitingLanes* room_;
 };
-
-/// The set in a lane of a node, without a branch on whether it is a packet.
-inline std::uint32_t setIn(const WideNode& node, std::uint32_t lane) {
-  const std::uint32_t is_packet = 0U - static_cast<std::uint32_t>(lane >= node.node_count);
-  return lane + ((node.first_node & ~is_packet) |
-                 ((node.first_packet - node.node_count + kPacketBit) & is_packet));
-}
 
 /// Brings a set closer that may be opened soon.
 [[gnu::always_inline]] inline void fetch(const Search& search, std::uint32_t set) {

@@ -152,14 +152,14 @@ TEST(SetsThatWait, AreTakenTheNearestFirst) {
 TEST(SetsThatWait, AreDroppedWhereTheyAreTooFar) {
   WaitingLanes room[2];
   Stack stack(room);
-  WideNode node = {};
-  node.node_count = kLaneCount;
-  stack.push(node, keysOfSquares(0b00000111U));
-  node.first_node = 100;
-  stack.push(node, keysOfSquares(0b11110000U));
+  WideNode above = {}, below = {};
+  above.node_count = below.node_count = kLaneCount;
+  below.first_node = 100;
+  stack.push(above, keysOfSquares(0b00000111U));
+  stack.push(below, keysOfSquares(0b11110000U));
   Lanes<float> dropped = Lanes<float>::all(kFloatInfinity);
   EXPECT_EQ(stack.take(16.0F, dropped), 104U);
-  EXPECT_EQ(stack.take(16.0F, dropped), 0U);  // of the node below, as 5 * 5 is too far
+  EXPECT_EQ(stack.take(16.0F, dropped), 0U);  // of the node above, as 5 * 5 is too far
   EXPECT_NEAR(leastOf(dropped), 25.0F, 1e-4F);
   EXPECT_EQ(stack.take(-kFloatInfinity, dropped), kNoSet);
   EXPECT_NEAR(leastOf(dropped), 1.0F, 1e-5F);
