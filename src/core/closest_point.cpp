@@ -22,10 +22,10 @@ constexpr double kPerhapsFlat = 0x1p-98;
 
 /// A corner of the triangle, as the query sees it.
 struct Corner {
-  Vector3d position;        ///< [m]
-  Vector3d offset;          ///< [m] from the query
-  double squared_distance;  ///< [m^2]
-  int slot;                 ///< 0, 1, 2: it is a, b, c
+  const Vector3d& position;  ///< [m]
+  Vector3d offset;           ///< [m] from the query
+  double squared_distance;   ///< [m^2]
+  int slot;                  ///< 0, 1, 2: it is a, b, c
 };
 
 using Corners3 = std::array<Corner, 3>;
@@ -183,7 +183,8 @@ bool isClosestCorner(const Vector3d& offset, const Vector3d& edge, const Vector3
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
   const Corners3 corners = cornersSeenFrom(query, triangle);
   const std::size_t nearest = nearestOf(corners);
-  const View view(corners[nearest], corners[(nearest + 1) % 3], corners[(nearest + 2) % 3]);
+  const View view(corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
+                  corners[nearest == 0 ? 2 : nearest - 1]);
   Candidate best = atCorner(view.base);
   if (isNearestAtBase(view)) {
     return {view.base.position, view.base.offset, best.barycentric, featureOf(best.barycentric),
