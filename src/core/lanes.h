@@ -179,7 +179,13 @@ inline Lanes<Real> root(const Lanes<Real>& a) {
 }
 template <class Real>
 inline Lanes<Real> magnitude(const Lanes<Real>& a) {
-  return larger(a, Lanes<Real>{} - a);
+  using Numbers = typename Lanes<Real>::Numbers;
+  using Bits = typename Part<Real>::Truths;
+  const Bits sign = reinterpret_cast<Bits>(-Numbers{});
+  Lanes<Real> result;
+  for (int i = 0; i < Lanes<Real>::kParts; ++i)
+    result.part[i] = reinterpret_cast<Numbers>(reinterpret_cast<Bits>(a.part[i]) & ~sign);
+  return result;
 }
 
 template <class Real>
