@@ -15,8 +15,10 @@ std::align_val_t placed(std::size_t size, std::size_t alignment) {
 
 void* allocateArray(std::size_t size, std::size_t alignment) {
   void* const array = ::operator new(size, placed(size, alignment));
+#if defined(MADV_HUGEPAGE)
   // An advice: a system that does not take it goes on with small pages.
   if (size >= kHugePage) madvise(array, size, MADV_HUGEPAGE);
+#endif
   return array;
 }
 

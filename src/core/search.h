@@ -35,7 +35,7 @@ struct Followed {
 struct Search {
   const WideNode* nodes;
   const TrianglePacket* packets;
-  const Corners* leaf_corners;
+  const Corners* leaf_corners;  ///< of their triangles, by leaf
   bool fetches;  ///< they are so many that it is worth while to fetch early what will be read
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count = 0;

@@ -5,11 +5,11 @@
 
 namespace organ_collision::core {
 
-/// [bytes] Of a page that an array may lie in which is at least as large.
+/// [bytes] Arrays from this size on may lie in pages of this size.
 constexpr std::size_t kHugePage = std::size_t{1} << 21U;
 
-/// Memory for an array of `size` [bytes], in huge pages if it is large and the system has them.
-/// Throws std::bad_alloc.
+/// Memory for an array of `size` [bytes], in huge pages if it is that large and the system has some
+/// to give. Throws std::bad_alloc.
 void* allocateArray(std::size_t size, std::size_t alignment);
 /// REQUIRES: what was allocated so.
 void freeArray(void* array, std::size_t size, std::size_t alignment) noexcept;
