@@ -95,11 +95,11 @@ class NearestPairSearch : protected PairSearch {
   }
 
   Triangle ofFirst(FarthestPairTree::Leaf leaf) const {
-    const auto [a, b, c] = first_.mesh().triangle(first_.tree().triangle(leaf));
+    const auto [a, b, c] = first_.mesh().triangle(first_.wideTree().corners()[leaf]);
     return {pose_ * a, pose_ * b, pose_ * c};
   }
   Triangle ofSecond(FarthestPairTree::Leaf leaf) const {
-    return second_.mesh().triangle(second_.tree().triangle(leaf));
+    return second_.mesh().triangle(second_.wideTree().corners()[leaf]);
   }
 
   /// The triangle to which the paper's search leads from the other surface, and back.

@@ -11,7 +11,6 @@ constexpr std::uint32_t kPacketBit = 0x80000000U;
 constexpr std::uint32_t kNoSet = ~0U;  // seems to be a packet
 
 using Keys __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
-using Sets __attribute__((vector_size(kLanes * sizeof(std::uint32_t)))) = std::uint32_t;
 
 constexpr Keys kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::int32_t kLaneBits = 7;
@@ -51,9 +50,10 @@ inline Keys chosenBy(const Truth<double>& truth) {
 
 /// The least, taken for a number without sign.
 inline std::uint32_t leastOf(const Keys& keys) {
-  Sets least = reinterpret_cast<Sets>(keys);
+  using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
+  auto least = reinterpret_cast<Unsigned>(keys);
   const auto fold = [&least](const Keys& others) {
-    const Sets other = reinterpret_cast<Sets>(others);
+    const auto other = reinterpret_cast<Unsigned>(others);
     least = least < other ? least : other;
   };
   fold(ORGAN_COLLISION_SHUFFLE(keys, 4, 5, 6, 7, 0, 1, 2, 3));

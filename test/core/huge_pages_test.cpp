@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <numeric>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace organ_collision::core {
 namespace {
