@@ -1,25 +1,12 @@
 #include "node/background_thread.h"
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include <utility>
 
+#include "node/duty.h"
+
 namespace organ_collision::node {
-namespace {
-
-// The lowest that still gets its turn: with SCHED_IDLE a machine whose processors are all busy
-// would never finish a rebuild that a caller waits for.
-constexpr int kLowestPriority = 19;
-
-/// Of the calling thread only: on Linux, priorities are the threads' own.
-void lowerPriority() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kLowestPriority);
-}
-
-}  // namespace
 
 std::shared_ptr<BackgroundThread> BackgroundThread::shared() {
   static std::mutex mutex;
@@ -50,7 +37,7 @@ void BackgroundThread::run(std::function<void()> task) {
 }
 
 void BackgroundThread::work() {
-  lowerPriority();
+  setDuty(Duty::kRebuild);
   tbb::task_arena alone(1);  // without oneTBB's own threads, which do not step back
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "node/conversions.h"
+#include "node/duty.h"
 #include "node/markers.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
@@ -366,6 +367,7 @@ void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
 }
 
 void CollisionNode::updateOrgans() {
+  setDuty(Duty::kUpdate);
   while (true) {
     organs_wait_->wait();
     if (stopping_) return;

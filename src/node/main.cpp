@@ -1,5 +1,4 @@
 #include <ros/ros.h>
-#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -11,10 +10,13 @@
 #include <thread>
 
 #include "node/collision_node.h"
+#include "node/duty.h"
 
 namespace {
 
 using organ_collision::node::CollisionNode;
+using organ_collision::node::Duty;
+using organ_collision::node::setDuty;
 
 constexpr std::chrono::milliseconds kGrace(500);  // for an orderly end, before it is a quick one
 
@@ -38,11 +40,10 @@ void endOnSignal() {
   }).detach();
 }
 
-/// With threads of ordinary priority only, whatever was given to the process: they work for
-/// milliseconds, and must not keep those waiting that answer in microseconds.
+/// With threads that work for milliseconds, and must not keep those waiting that answer in
+/// microseconds.
 std::unique_ptr<CollisionNode> makeNode() {
-  const sched_param none = {};
-  sched_setscheduler(0, SCHED_OTHER, &none);  // of this thread, and of those that it starts
+  setDuty(Duty::kServe);
   return std::make_unique<CollisionNode>(ros::NodeHandle(), ros::NodeHandle("~"));
 }
 
@@ -51,8 +52,9 @@ std::unique_ptr<CollisionNode> makeNode() {
 int main(int argc, char** argv) {
   endOnSignal();
   ros::init(argc, argv, "organ_collision", ros::init_options::NoSigintHandler);
+  setDuty(Duty::kAnswer);
   // It closes with the last handle, and the error below must get out. Starts the threads that read
-  // and write sockets: they have a priority that was given to the process, as this thread has.
+  // and write sockets: they answer tips too.
   const ros::NodeHandle keeps_the_log_open;
   try {
     std::async(std::launch::async, makeNode).get()->run();
