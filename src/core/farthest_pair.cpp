@@ -67,7 +67,7 @@ class Diameter {
     Eigen::Vector3d place;
     std::size_t index;
   };
-  using Members = std::vector<Member>;
+  using Members = RawVector<Member>;
   struct Range {
     Members::iterator first, last;
     Members::iterator begin() const { return first; }
@@ -174,7 +174,7 @@ class Diameter {
   void compare(const Range& ends, const Members& others) {
     if (others.empty()) return;
     const std::size_t count = std::max<std::size_t>(others.size(), kLaneCount);
-    std::vector<double> columns(3 * count);
+    RawVector<double> columns(3 * count);
     const PointColumns places = {&columns[0], &columns[count], &columns[2 * count]};
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Vector3d& place = others[std::min(i, others.size() - 1)].place;
