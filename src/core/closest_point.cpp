@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <tuple>
@@ -178,6 +179,20 @@ bool isClosestCorner(const Vector3d& offset, const Vector3d& edge, const Vector3
     return isSafe(squared) && squared > least && offset.dot(step) >= 0;
   };
   return leads_away(edge) && leads_away(other_edge);
+}
+
+double roomAtClosestCorner(const Vector3d& offset, const Vector3d& edge,
+                           const Vector3d& other_edge) {
+  // An edge leads away until the query has moved as far as the offset reaches along it. That is no
+  // farther than the offset is long, which by then is at most twice as long.
+  const double squared_offset = squaredLength(offset);
+  const double rounding = 0x1p-48 * std::sqrt(squared_offset);
+  const auto room_of = [&](const Vector3d& step) {
+    const double squared = squaredLength(step);
+    if (!(squared > 8 * kNearlyNothing * squared_offset)) return 0.0;
+    return offset.dot(step) / std::sqrt(squared) - rounding;
+  };
+  return std::max(0.0, std::min(room_of(edge), room_of(other_edge)));
 }
 
 ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {

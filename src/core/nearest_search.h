@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -79,13 +78,14 @@ class NearestSearch : protected Search {
     Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
       return static_cast<NearestSearch&>(search).measure(leaf);
     };
-    Search::isTied = [](const Search& search, FarthestPairTree::Leaf leaf) {
-      return static_cast<const NearestSearch&>(search).isTied(leaf);
+    Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
+      return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
     };
     share = 1.0 / (1.0 + accuracy.max_relative_error);
     allowance = accuracy.max_absolute_error * scale_;
     best = unopened = std::numeric_limits<double>::infinity();
     best_leaf = std::numeric_limits<std::uint32_t>::max();
+    best_vertex = kNoVertex;
   }
 
   NearestTriangle run() {
@@ -118,7 +118,7 @@ class NearestSearch : protected Search {
     if (squared_distance < squared_best_ ||
         (squared_distance == squared_best_ && leaf < best_leaf)) {
       pair_ = candidate;
-      vertex_ = nearestVertex(vertices);
+      best_vertex = nearestVertex(vertices);
       best_leaf = leaf;
       squared_best_ = squared_distance;
       best = std::min(best, unit_distance);
@@ -127,24 +127,35 @@ class NearestSearch : protected Search {
   }
 
   /// That a point is nearest to, of the best triangle's.
-  std::optional<VertexId> nearestVertex(const Corners& vertices) const {
+  VertexId nearestVertex(const Corners& vertices) const {
     const Feature feature = pair_.on_second.feature;
-    if (!std::is_same_v<Tip, PointTip> || feature > Feature::kVertexC) return std::nullopt;
+    if (!std::is_same_v<Tip, PointTip> || feature > Feature::kVertexC) return kNoVertex;
     return vertices[static_cast<std::size_t>(feature)];
   }
 
   /// Around a vertex that is nearest all triangles tie: this is told sooner than they are measured.
   bool isTied(FarthestPairTree::Leaf leaf) const {
-    if (!vertex_ || leaf <= best_leaf) return false;
-    const auto& [a, b, c] = leaf_corners[leaf];
-    if (a == *vertex_) return leadAway(a, b, c);
-    if (b == *vertex_) return leadAway(b, c, a);
-    return c == *vertex_ && leadAway(c, a, b);
+    return fromBestVertex(leaf, false, isClosestCorner);
   }
-  bool leadAway(VertexId from, VertexId one, VertexId other) const {
-    const TriangleMesh& mesh = organ_.mesh();
-    return isClosestCorner(pair_.on_second.offset, mesh.position(one) - mesh.position(from),
-                           mesh.position(other) - mesh.position(from));
+  double roomOfTie(FarthestPairTree::Leaf leaf) const {
+    return fromBestVertex(leaf, -1.0, [this](const auto&... seen) {
+      return isClosestCorner(seen...) ? roomAtClosestCorner(seen...) * scale_ : -1.0;
+    });
+  }
+  /// What `ask` says of the nearest vertex' offset and a triangle's edges from there; `otherwise`
+  /// of triangles without it or that come before the best.
+  template <class Answer, class Ask>
+  Answer fromBestVertex(FarthestPairTree::Leaf leaf, Answer otherwise, const Ask& ask) const {
+    if (best_vertex == kNoVertex || leaf <= best_leaf) return otherwise;
+    const auto from = [&](VertexId here, VertexId one, VertexId other) {
+      const TriangleMesh& mesh = organ_.mesh();
+      return ask(pair_.on_second.offset, Eigen::Vector3d(mesh.position(one) - mesh.position(here)),
+                 Eigen::Vector3d(mesh.position(other) - mesh.position(here)));
+    };
+    const auto& [a, b, c] = leaf_corners[leaf];
+    if (a == best_vertex) return from(a, b, c);
+    if (b == best_vertex) return from(b, c, a);
+    return c == best_vertex ? from(c, a, b) : otherwise;
   }
 
   void measureAll() {
@@ -184,7 +195,6 @@ class NearestSearch : protected Search {
   const double scale_;
   bool beyond_ = false;
   ClosestPair pair_;
-  std::optional<VertexId> vertex_;  // that the best point is
   double squared_best_ = std::numeric_limits<double>::infinity();
 };
 

@@ -11,6 +11,8 @@ namespace organ_collision::core {
 /// Beyond this many sizes of the organ, single precision tells its parts no longer apart.
 constexpr double kFar = 8.0;
 
+constexpr VertexId kNoVertex{~0U};
+
 /// What waits of a node that was opened: one set that comes next, and perhaps more.
 struct alignas(64) WaitingLanes {
   std::array<std::int32_t, kLaneCount> keys;  ///< see keysOf(); -1: no more waits in the lane
@@ -24,10 +26,13 @@ struct Followed {
   static constexpr std::uint32_t kMost = 64;
   alignas(64) std::array<float, kMost> bounds = {};  ///< of the packets' triangles, the least
   alignas(64) std::array<LaneFloats, kMost> lanes;   ///< of each triangle
+  /// The drift up to which each triangle surely shares the nearest vertex, or less than any.
+  alignas(64) std::array<LaneFloats, kMost> tied_until;
   std::array<std::uint32_t, kMost> packets;
   std::uint32_t count = 0;
-  std::uint32_t nearest;  ///< leaf
-  double clear;           ///< of all else, the least
+  std::uint32_t nearest;             ///< leaf
+  VertexId tied_vertex = kNoVertex;  ///< the nearest, of `nearest`, when that was found
+  double clear;                      ///< of all else, the least
   double drift;  ///< so far at most have tip and mesh moved towards each other since the walk
 };
 
@@ -47,11 +52,12 @@ struct Search {
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its
   /// distance, or 0 where it matters no more.
   double (*measure)(Search& search, std::uint32_t leaf);
-  /// Whether a triangle is known not to be nearer than the nearest vertex so far, which it has too,
-  /// nor to come before the triangle named for it.
-  bool (*isTied)(const Search& search, std::uint32_t leaf);
+  /// How far the tip may move while a triangle is known not to be nearer than the nearest vertex so
+  /// far, which it has too, nor to come before the triangle named for it; negative if it is not.
+  double (*roomOfTie)(const Search& search, std::uint32_t leaf);
   double best;              ///< the nearest triangle is not farther
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
+  VertexId best_vertex;     ///< the nearest point of that, if it is one
 
   double slack = 0.0;            ///< followed is what is farther than the best by this, too
   Followed* followed = nullptr;  ///< where to put the packets looked at, or null

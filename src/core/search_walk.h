@@ -58,6 +58,10 @@ class Walk {
     Followed& followed = *search_.followed;
     const auto drift = static_cast<float>(followed.drift * (1 + kKept));
     const float nearest = kept(static_cast<Real>(measure(followed.nearest)));
+    if (search_.best_vertex != kNoVertex) {
+      if (search_.best_vertex != followed.tied_vertex) forgetTies();
+      drift_of_ties_ = drift;
+    }
     for (std::uint32_t first = 0; first < followed.count; first += kLaneCount) {
       const Lanes<float> bounds = Lanes<float>::load(&followed.bounds[first]);
       for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_ + drift)).bits(); rest != 0;
@@ -68,6 +72,7 @@ class Walk {
       }
     }
     finish();
+    if (search_.best_leaf != followed.nearest) followed.tied_vertex = kNoVertex;
     followed.nearest = search_.best_leaf;
   }
 
@@ -108,6 +113,15 @@ class Walk {
     return (bounds + Lanes<Real>::all(drift)) * Lanes<Real>::all(1 - Real{kKept});
   }
 
+  static constexpr float kNotTied = -1.0F;
+
+  void forgetTies() {
+    Followed& followed = *search_.followed;
+    followed.tied_vertex = search_.best_vertex;
+    for (std::uint32_t i = 0; i < followed.count; ++i)
+      Lanes<float>::all(kNotTied).store(followed.tied_until[i].data());
+  }
+
   /// Brings the bounds of a packet up to date that may be within `reach`, as bounds are kept; that
   /// of the triangle that was nearest is known.
   void lookAgain(std::uint32_t i, float reach, float nearest) {
@@ -116,11 +130,21 @@ class Walk {
     LaneFloats& lanes = followed.lanes[i];
     const std::uint32_t nearest_lane = followed.nearest - packet.first_leaf;
     if (nearest_lane < packet.lane_count) lanes[nearest_lane] = kFloatInfinity;
-    std::uint32_t within = (Lanes<float>::load(lanes.data()) <= Lanes<float>::all(reach)).bits();
-    for (; within != 0 && search_.isTied(search_, packet.first_leaf + lowestBit(within));
-         within &= within - 1)
-      lanes[lowestBit(within)] = kept(static_cast<Real>(search_.best));
-    if (within != 0) kept(scan(packet)).storeRounded(lanes);
+    const float tied = kept(static_cast<Real>(search_.best));
+    const Lanes<float> bounds = Lanes<float>::load(lanes.data());
+    const Truth<float> within = bounds <= Lanes<float>::all(reach);
+    const Truth<float> surely_tied =
+        Lanes<float>::all(drift_of_ties_) <= Lanes<float>::load(followed.tied_until[i].data());
+    select(within & surely_tied, Lanes<float>::all(tied), bounds).store(lanes.data());
+    std::uint32_t rest = (within & !surely_tied).bits();
+    for (; rest != 0; rest &= rest - 1) {
+      const std::uint32_t lane = lowestBit(rest);
+      const double room = search_.roomOfTie(search_, packet.first_leaf + lane);
+      if (room < 0.0) break;
+      lanes[lane] = tied;
+      followed.tied_until[i][lane] = static_cast<float>((followed.drift + room) * (1 - kKept));
+    }
+    if (rest != 0) kept(scan(packet)).storeRounded(lanes);
     if (nearest_lane < packet.lane_count) lanes[nearest_lane] = nearest;
     followed.bounds[i] = leastOf(Lanes<float>::load(lanes.data()));
   }
@@ -137,6 +161,7 @@ class Walk {
     const std::uint32_t i = followed.count++;
     followed.packets[i] = packet;
     kept(bounds).storeRounded(followed.lanes[i]);
+    Lanes<float>::all(kNotTied).store(followed.tied_until[i].data());
     followed.bounds[i] = leastOf(Lanes<float>::load(followed.lanes[i].data()));
   }
 
@@ -329,6 +354,7 @@ class Walk {
   static constexpr std::uint32_t kMostCandidates = 16;
   CandidateLanes<Real> candidates_[kMostCandidates];
   std::uint32_t candidate_count_ = 0;
+  float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;
 };

@@ -127,6 +127,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     constexpr double kKept = 1 - 0x1p-40;  // rounding takes less from sums of steps
     Followed& near = memory_.followed;
     near.drift += this->step();
+    if (motion_.travel != memory_.motion.travel) near.tied_vertex = kNoVertex;
     if (!(near.drift < near.clear * kKept)) return false;
     this->followed = &near;
     kernels().follow(*this);

@@ -255,19 +255,31 @@ TEST(ClosestPoint, HasNoFaceWithoutAnArea) {
   }
 }
 
+/// Moves the query as far as it may, towards where the other corners come near.
+void expectRoom(const Vector3d& query, const Vector3d& corner, const Vector3d& edge,
+                const Vector3d& other_edge) {
+  const double room = roomAtClosestCorner(corner - query, edge, other_edge);
+  for (const Vector3d& towards : {edge, other_edge}) {
+    const Vector3d moved = query + room * towards.stableNormalized();
+    if ((moved - query).norm() > room) continue;
+    ASSERT_TRUE(isClosestCorner(corner - moved, edge, other_edge));
+  }
+}
+
 TEST(ClosestPoint, IsTheCornerFromWhichBothEdgesLeadAway) {
   int found = 0;
   const auto check = [&found](const Vector3d& query, const Triangle& t) {
     const std::array<Vector3d, 3> corners = cornersOf(t);
     for (const std::size_t i : {0, 1, 2}) {
       const Vector3d offset = corners[i] - query;
-      if (!isClosestCorner(offset, corners[(i + 1) % 3] - corners[i],
-                           corners[(i + 2) % 3] - corners[i]))
-        continue;
+      const Vector3d edge = corners[(i + 1) % 3] - corners[i];
+      const Vector3d other_edge = corners[(i + 2) % 3] - corners[i];
+      if (!isClosestCorner(offset, edge, other_edge)) continue;
       ++found;
       const ClosestPoint closest = closestPointOnTriangle(query, t);
       ASSERT_EQ(closest.point, corners[i]);
       ASSERT_EQ(closest.squared_distance, squaredLength(offset));
+      ASSERT_NO_FATAL_FAILURE(expectRoom(query, corners[i], edge, other_edge));
     }
   };
   forEachSample(12, kSamples, check);
@@ -277,6 +289,13 @@ TEST(ClosestPoint, IsTheCornerFromWhichBothEdgesLeadAway) {
       ASSERT_NO_FATAL_FAILURE(check(factor * query, t));
   });
   EXPECT_GT(found, kSamples);
+}
+
+TEST(ClosestPoint, StaysTheCornerWhileTheQueryMovesLessThanTheEdgesLeadAway) {
+  // The second edge leads away by a third of the offset, the first by all of it.
+  const Vector3d offset(0, 0, -3);
+  const Vector3d edge(0, 0, -1), other_edge(std::sqrt(8.0), 0, -1);
+  EXPECT_NEAR(roomAtClosestCorner(offset, edge, other_edge), 1.0, 1e-12);
 }
 
 TEST(ClosestPoint, IsFiniteForTheLargestCoordinates) {

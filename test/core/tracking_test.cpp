@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "organs_and_tips.h"
 #include "test_meshes.h"
@@ -96,6 +98,44 @@ TEST(Tracker, FollowsOverAMeshThatMovesAndIsRebuilt) {
         ++motion.build;
       }
       tip = moved(tip, generator, organ);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip)));
+    }
+  }
+}
+
+/// The farthest that a vertex is moved.
+double moveHeights(Points& positions, std::mt19937& generator, double most) {
+  double farthest = 0.0;
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    const double up = randomPoint(generator, most).z();
+    positions[i].z() += up;
+    farthest = std::max(farthest, std::abs(up));
+  }
+  return farthest;
+}
+
+TEST(Tracker, FollowsAroundAVertexThatSixTrianglesShare) {
+  std::mt19937 generator(36);
+  Points flat = {{0, 0, 0}};
+  std::vector<Corners> triangles;
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    flat.emplace_back(std::cos(i * M_PI / 3), std::sin(i * M_PI / 3), -0.01);
+    triangles.push_back(test::corners(0, i + 1, (i + 1) % 6 + 1));
+  }
+  for (std::size_t fan = 0; fan < queryCount(2000); ++fan) {
+    Points positions = flat;
+    moveHeights(positions, generator, 0.01);
+    CollisionMesh organ(TriangleMesh(positions, triangles));
+    Tracker tracker;
+    MeshMotion motion;
+    Eigen::Vector3d tip(0, 0, std::exp(randomPoint(generator, 2.0).z()));
+    for (int step = 0; step < 20; ++step) {
+      if (generator() % 4 == 0) {
+        motion.travel += moveHeights(positions, generator, 0.02);
+        organ.refit(positions);
+      }
+      if (generator() % 2 == 0) tip += randomPoint(generator, 0.02);
       ASSERT_NO_FATAL_FAILURE(
           expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip)));
     }

@@ -49,4 +49,9 @@ ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle
 bool isClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
                      const Eigen::Vector3d& other_edge);
 
+/// How far [m] the query may move, wherever to, and isClosestCorner() still says so. REQUIRES: it
+/// does.
+double roomAtClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
+                           const Eigen::Vector3d& other_edge);
+
 }  // namespace organ_collision::core
