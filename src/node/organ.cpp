@@ -176,36 +176,38 @@ bool Organ::applyPending() {
     moves = pending_.take();
   }
   if (moves.none()) return false;
-  applyMoves(moves, "streamed: ");
+  applyMoves(std::move(moves), "streamed: ");
   return true;
 }
 
-void Organ::applyMoves(const VertexMoves& moves, const std::string& origin) {
+void Organ::applyMoves(VertexMoves moves, const std::string& origin) {
   const Stopwatch watch;
-  std::unique_ptr<OrganSnapshot> next = snapshots_.writable();
-  const Refit refit = catchUp(*next, moves);
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
+  const double travel = now->travel + farthest(moves, now->organ.mesh().positions());
+  const std::size_t count = moves.positions.size();
+  std::vector<core::VertexId> vertices = moves.vertices;
+  std::unique_ptr<OrganSnapshot> next = snapshots_.writable();
+  const Refit refit = catchUp(*next, std::move(moves));
   next->version = now->version + 1;
-  next->travel = std::nextafter(now->travel + farthest(moves, now->organ.mesh().positions()),
-                                std::numeric_limits<double>::infinity());
+  next->travel = std::nextafter(travel, std::numeric_limits<double>::infinity());
   next->last_action = refit.action;
-  next->reason = origin + std::to_string(moves.positions.size()) + " of " +
+  next->reason = origin + std::to_string(count) + " of " +
                  std::to_string(next->organ.mesh().positions().size()) + " vertices moved" +
                  refit.figures;
   next->last_duration = watch.elapsed();
-  log_.record(next->version, moves);
+  log_.record(next->version, std::move(vertices));
   snapshots_.publish(std::move(next));
 }
 
 /// Takes `state`, of whatever version, to the latest positions and from there by `moves`.
-Organ::Refit Organ::catchUp(OrganSnapshot& state, const VertexMoves& moves) {
+Organ::Refit Organ::catchUp(OrganSnapshot& state, VertexMoves moves) {
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
   const core::Points& latest = now->organ.mesh().positions();
   const CostStopwatch watch;
-  const VertexMoves missed = log_.since(state.version, moves, latest);
+  VertexMoves missed = log_.since(state.version, std::move(moves), latest);
   if (missed.none()) return {Action::kNone, ""};
   if (missed.whole()) {
-    alone_.execute([&] { state.organ.refit(missed.positions); });
+    alone_.execute([&] { state.organ.refit(std::move(missed.positions)); });
     refit_policy_.recordFull(std::nullopt, watch.elapsed());
     return {Action::kRefit, ""};
   }

@@ -106,8 +106,8 @@ class Organ {
   void addToPending(VertexMoves moves);
   VertexMoves takePendingWith(VertexMoves moves);
   bool applyPending();
-  void applyMoves(const VertexMoves& moves, const std::string& origin);
-  Refit catchUp(OrganSnapshot& state, const VertexMoves& moves);
+  void applyMoves(VertexMoves moves, const std::string& origin);
+  Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
   void rebuildIfDue();
   void startRebuild(const std::string& reason);

@@ -78,15 +78,16 @@ VertexMoves PendingMoves::take() {
   return std::exchange(waiting_, {});
 }
 
-void MoveLog::record(std::uint32_t version, const VertexMoves& moves) {
+void MoveLog::record(std::uint32_t version, std::vector<core::VertexId> vertices) {
   const auto forget_oldest = [this] {
     reaches_back_to_ = entries_.front().version;
     logged_ -= entries_.front().vertices.size();
     entries_.pop_front();
   };
-  entries_.push_back({version, moves.vertices});
-  logged_ += moves.vertices.size();
-  while (!entries_.empty() && (moves.whole() || logged_ > seen_.vertexCount())) forget_oldest();
+  const bool whole = vertices.empty();
+  logged_ += vertices.size();
+  entries_.push_back({version, std::move(vertices)});
+  while (!entries_.empty() && (whole || logged_ > seen_.vertexCount())) forget_oldest();
 }
 
 VertexMoves MoveLog::since(std::uint32_t version, VertexMoves moves, const core::Points& latest) {

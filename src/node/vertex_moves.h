@@ -80,8 +80,8 @@ class MoveLog {
   MoveLog(std::size_t vertex_count, std::uint32_t version)
       : reaches_back_to_(version), seen_(vertex_count) {}
 
-  /// `moves` led to `version`. REQUIRES: later than all before.
-  void record(std::uint32_t version, const VertexMoves& moves);
+  /// Moves of these vertices (empty: of all) led to `version`. REQUIRES: later than all before.
+  void record(std::uint32_t version, std::vector<core::VertexId> vertices);
 
   /// What takes a state of `version` to the latest one, at `latest`, and from there by `moves`.
   /// Whole if the log does not reach back so far: it keeps as many moves as there are vertices.

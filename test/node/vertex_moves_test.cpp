@@ -119,8 +119,8 @@ TEST(PendingMoves, NamesNoVertexTwiceWhateverWasRefusedBefore) {
 TEST(MoveLog, ReplaysWhatAnOlderStateMissed) {
   MoveLog log(kVertices, 1);
   Points latest = line();
-  log.record(2, movesOf({1}, {latest[1]}));
-  log.record(3, movesOf({2, 1}, {latest[2], latest[1]}));
+  log.record(2, {VertexId{1}});
+  log.record(3, {VertexId{2}, VertexId{1}});
   EXPECT_TRUE(log.since(3, {}, latest).none());
   EXPECT_EQ(log.since(2, {}, latest).vertices, (std::vector<VertexId>{VertexId{2}, VertexId{1}}));
   const VertexMoves missed = log.since(1, movesOf({2, 5}, {at(20), at(50)}), latest);
@@ -131,11 +131,11 @@ TEST(MoveLog, ReplaysWhatAnOlderStateMissed) {
 TEST(MoveLog, MovesEverythingWhereItDoesNotReachBack) {
   MoveLog log(kVertices, 4);
   EXPECT_TRUE(log.since(3, {}, line()).whole());
-  log.record(5, {{}, line()});
+  log.record(5, {});
   EXPECT_TRUE(log.since(4, {}, line()).whole());
   EXPECT_TRUE(log.since(5, {}, line()).none());
   for (std::uint32_t version = 6; version < 20; ++version)
-    log.record(version, movesOf({1, 2, 3}, {at(1), at(2), at(3)}));
+    log.record(version, {VertexId{1}, VertexId{2}, VertexId{3}});
   EXPECT_EQ(log.since(17, {}, line()).vertices.size(), 3U) << "two updates of three fit in eight";
   EXPECT_TRUE(log.since(16, {}, line()).whole());
 }
@@ -161,7 +161,7 @@ TEST(MoveLog, LeadsEveryStateToTheLatestPositions) {
       ASSERT_EQ(moved(state, log.since(left_at, moves, latest)), moved(latest, moves));
     }
     latest = moved(latest, moves);
-    log.record(version, moves);
+    log.record(version, moves.vertices);
     states[version] = latest;
   }
 }
