@@ -26,12 +26,13 @@ struct Followed {
   static constexpr std::uint32_t kMost = 64;
   alignas(64) std::array<float, kMost> bounds = {};  ///< of the packets' triangles, the least
   alignas(64) std::array<LaneFloats, kMost> lanes;   ///< of each triangle
-  /// The drift up to which each triangle surely shares the nearest vertex, or less than any.
+  /// The drift up to which each triangle surely ties at tied_vertex; below zero if that is not
+  /// known.
   alignas(64) std::array<LaneFloats, kMost> tied_until;
   std::array<std::uint32_t, kMost> packets;
   std::uint32_t count = 0;
   std::uint32_t nearest;             ///< leaf
-  VertexId tied_vertex = kNoVertex;  ///< the nearest, of `nearest`, when that was found
+  VertexId tied_vertex = kNoVertex;  ///< of `nearest`, for which tied_until holds; or for none
   double clear;                      ///< of all else, the least
   double drift;  ///< so far at most have tip and mesh moved towards each other since the walk
 };

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::uint64_t kShortTurn = 100'000;  // [ns] the shortest that there is
 constexpr std::uint64_t kUsualTurn = 0;        // as long as the kernel finds right
-constexpr int kBehind = 5;                     // nice: a third of the time of those in front
+constexpr int kInFront = -20;                  // nice: no step back at all
+constexpr int kBehind = 5;                     // a third of the time of those in front
 // The lowest that still gets its turn: with SCHED_IDLE a machine whose processors are all busy
 // would never finish a rebuild that a caller waits for.
 constexpr int kLast = 19;
@@ -35,7 +36,7 @@ int leastNice(Duty duty) {
     case Duty::kRebuild:
       return kLast;
     default:
-      return -20;
+      return kInFront;
   }
 }
 
