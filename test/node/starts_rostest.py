@@ -44,9 +44,17 @@ def start(name, described, **options):
                             **options)
 
 
+def threads(process):
+    return [int(thread) for thread in os.listdir(f"/proc/{process.pid}/task")]
+
+
 def policies(process):
     """How the kernel schedules each of its threads."""
-    return [os.sched_getscheduler(int(thread)) for thread in os.listdir(f"/proc/{process.pid}/task")]
+    return [os.sched_getscheduler(thread) for thread in threads(process)]
+
+
+def nices(process):
+    return {os.getpriority(os.PRIO_PROCESS, thread) for thread in threads(process)}
 
 
 def written(folder, name, content):
@@ -204,6 +212,17 @@ class Starts(unittest.TestCase):
             self.check_that_it_runs("urgent", scene(), check, preexec_fn=priority)
         except subprocess.SubprocessError:
             self.skipTest("this user may not give it")
+
+    def test_who_updates_organs_and_who_rebuilds_them_steps_back(self):
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        if own >= 5:
+            self.skipTest("all of it steps back")
+
+        def check(process):
+            wait_until(lambda: nices(process) == {own, 5, 19}, "threads that step back")
+            self.assertEqual(os.getpriority(os.PRIO_PROCESS, process.pid), own)
+
+        self.check_that_it_runs("modest", scene(), check)
 
     def test_every_scene_in_config_runs(self):
         config = os.path.join(rospkg.RosPack().get_path("organ_collision"), "config")
