@@ -16,8 +16,7 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::size_t kFewPoints = 32;       // all pairs of so many cost less than sweeps
-constexpr std::size_t kFewToCompare = 4096;  // are compared rather than divided
+constexpr std::size_t kFewPoints = 32;  // are compared with all others rather than chosen from
 
 bool isBetter(const FarthestPair& candidate, const FarthestPair& best) {
   if (candidate.squared_distance != best.squared_distance)
@@ -33,13 +32,52 @@ std::array<double, 3> plain(const Eigen::Vector3d& point) {
   return {point.x(), point.y(), point.z()};
 }
 
-/// The distance of the farthest corner: no computed distance of a point in the box is larger, as
-/// rounding is monotone.
-double largestSquaredDistance(const Box& box, const Eigen::Vector3d& point) {
-  return squaredLength((box.high - point).cwiseMax(point - box.low));
-}
+using Indices = RawVector<std::uint32_t>;
 
-using PoweredPoints = RawVector<PoweredPoint>;
+/// Some of a set's points, in order.
+class Members {
+ public:
+  Members(const PointColumns& points, Indices indices)
+      : indices_(std::move(indices)),
+        stride_(std::max<std::size_t>(size(), kLaneCount)),
+        coordinates_(3 * stride_) {
+    if (indices_.empty()) return;
+    for (std::size_t i = 0; i < stride_; ++i) {  // the last one again, to make eight of them
+      const std::uint32_t member = indices_[std::min(i, size() - 1)];
+      coordinates_[i] = points.x[member];
+      coordinates_[stride_ + i] = points.y[member];
+      coordinates_[2 * stride_ + i] = points.z[member];
+    }
+  }
+
+  std::size_t size() const { return indices_.size(); }
+  PointColumns points() const {
+    return {coordinates_.data(), coordinates_.data() + stride_, coordinates_.data() + 2 * stride_};
+  }
+  std::uint32_t index(std::size_t i) const { return indices_[i]; }
+
+  /// The first of those that are farthest from a place.
+  FarPoint farthestFrom(const Eigen::Vector3d& place) const {
+    const FarPoint farthest = kernels().farthestFrom(points(), stride_, plain(place));
+    return {indices_[farthest.index], farthest.squared_distance};
+  }
+
+  /// Those that are as far from a point of the box as `least`, if it is where they would like it.
+  /// REQUIRES: eight of them.
+  Members farFrom(const Box& box, double least) const {
+    Indices far(size());
+    far.resize(kernels().listFarFrom(points(), size(), plain(box.low), plain(box.high), least,
+                                     far.data()));
+    Members found(points(), std::move(far));
+    for (std::uint32_t& index : found.indices_) index = indices_[index];
+    return found;
+  }
+
+ private:
+  Indices indices_;
+  std::size_t stride_;
+  RawVector<double> coordinates_;
+};
 
 /// A set of points and the best pair found so far.
 class Diameter {
@@ -50,39 +88,33 @@ class Diameter {
     walkFrom(0);
     if (best_.squared_distance == 0.0) return best_;  // all coincide
     while (true) {
-      const PoweredPoints outside = pointsOutsideBall();
-      if (outside.empty()) return best_;
-      const PoweredPoint farthest_out = *std::max_element(
-          outside.begin(), outside.end(),
-          [](const PoweredPoint& a, const PoweredPoint& b) { return a.power < b.power; });
+      std::vector<End> ends = endsOutsideBall();
+      if (ends.empty()) return best_;
+      const End farthest_out = *std::max_element(
+          ends.begin(), ends.end(),
+          [this](const End& a, const End& b) { return power(a.place) < power(b.place); });
       if (walkFrom(farthest_out.index)) continue;  // its ball leaves fewer points outside
-      Members ends = members(outside);
-      pairUp({ends.begin(), ends.end()}, members(pointsFarEnoughFor(farthest_out)));
+      pairUp({ends.begin(), ends.end()}, farEnoughFor(power(farthest_out.place)));
       return best_;
     }
   }
 
  private:
-  struct Member {
+  struct End {
     Eigen::Vector3d place;
     std::size_t index;
   };
-  using Members = RawVector<Member>;
   struct Range {
-    Members::iterator first, last;
-    Members::iterator begin() const { return first; }
-    Members::iterator end() const { return last; }
+    std::vector<End>::iterator first, last;
+    std::vector<End>::iterator begin() const { return first; }
+    std::vector<End>::iterator end() const { return last; }
     std::size_t size() const { return static_cast<std::size_t>(last - first); }
   };
 
   Eigen::Vector3d at(std::size_t i) const { return {points_.x[i], points_.y[i], points_.z[i]}; }
 
-  /// Compares point i with all others; the best pair of which it is a member.
-  FarthestPair scan(std::size_t i) {
-    const FarPoint farthest = kernels().farthestFrom(points_, count_, plain(at(i)));
-    const FarthestPair pair = pairOf(i, farthest.index, farthest.squared_distance);
+  void note(const FarthestPair& pair) {
     if (isBetter(pair, best_)) best_ = pair;
-    return pair;
   }
 
   /// Goes from a point to its farthest, from there to its farthest, while that makes the best pair
@@ -91,10 +123,16 @@ class Diameter {
     const double before = best_.squared_distance;
     for (std::size_t from = start;;) {
       const double reached = best_.squared_distance;
-      const FarthestPair pair = scan(from);
-      if (pair.squared_distance <= reached) return reached > before;
-      from = pair.first == from ? pair.second : pair.first;
+      const FarPoint farthest = kernels().farthestFrom(points_, count_, plain(at(from)));
+      note(pairOf(from, farthest.index, farthest.squared_distance));
+      if (farthest.squared_distance <= reached) return reached > before;
+      from = farthest.index;
     }
+  }
+
+  /// With respect to the ball whose diameter is the best pair.
+  double power(const Eigen::Vector3d& place) const {
+    return (place - at(best_.first)).dot(place - at(best_.second));
   }
 
   /// More than rounding takes from a power, or from a square as long as the best pair's: ties must
@@ -104,9 +142,9 @@ class Diameter {
     return 64.0 * (Limits::epsilon() * best_.squared_distance + Limits::denorm_min());
   }
 
-  /// Those of a power of at least `least` with respect to the ball whose diameter is the best pair.
-  PoweredPoints pointsOfPower(double least) const {
-    PoweredPoints all(count_);
+  /// Those of a power of at least `least`.
+  Indices pointsOfPower(double least) const {
+    Indices all(count_);
     all.resize(kernels().listByPower(points_, count_, plain(at(best_.first)),
                                      plain(at(best_.second)), least, all.data()));
     return all;
@@ -114,79 +152,70 @@ class Diameter {
 
   /// The points other than the best pair's that can be an end of a pair as long as the best or
   /// longer: those not inside the ball.
-  PoweredPoints pointsOutsideBall() const {
-    PoweredPoints outside = pointsOfPower(-slack());
-    const auto is_known = [this](const PoweredPoint& point) {
-      return point.index == best_.first || point.index == best_.second;
-    };
-    outside.erase(std::remove_if(outside.begin(), outside.end(), is_known), outside.end());
-    return outside;
+  std::vector<End> endsOutsideBall() const {
+    const Indices outside = pointsOfPower(-slack());
+    std::vector<End> ends;
+    ends.reserve(outside.size());
+    for (const std::uint32_t i : outside) {
+      if (i != best_.first && i != best_.second) ends.push_back({at(i), i});
+    }
+    return ends;
   }
 
   /// The points that can be the other end of such a pair: they are as far from the ball's middle as
-  /// the pair is long, less how far the one end is.
-  PoweredPoints pointsFarEnoughFor(const PoweredPoint& farthest_out) const {
+  /// the pair is long, less how far the one end is, which has at most that power.
+  Members farEnoughFor(double largest_power) const {
     const double squared_radius = best_.squared_distance / 4.0;
-    const double reach = std::sqrt(squared_radius + farthest_out.power + slack());
+    const double reach = std::sqrt(squared_radius + largest_power + slack());
     const double rest = std::sqrt(best_.squared_distance) - reach;
-    return pointsOfPower(rest * rest - squared_radius - slack());
-  }
-
-  Members members(const PoweredPoints& points) const {
-    Members all;
-    all.reserve(points.size());
-    for (const PoweredPoint& point : points) all.push_back({at(point.index), point.index});
-    return all;
+    return {points_, pointsOfPower(rest * rest - squared_radius - slack())};
   }
 
   /// Compares each end with all others that may be as far from it as the best pair is long.
-  /// REQUIRES: the others in order. Recursion is safe: halving keeps it as deep as the logarithm of
-  /// the count, whatever the positions.
+  /// Recursion is safe: it is no deeper than some times the logarithm of the ends' number, whatever
+  /// the positions.
   void pairUp(const Range& ends, const Members& others) {
-    if (ends.size() == 1 || ends.size() * others.size() <= kFewToCompare) {
+    if (others.size() == 0) return;
+    if (ends.size() <= kFewPoints || others.size() < kLaneCount) {
       compare(ends, others);
       return;
     }
     Box box;
     std::size_t lowest = count_;
-    for (const Member& end : ends) {
+    for (const End& end : ends) {
       box.add(end.place);
       lowest = std::min(lowest, end.index);
     }
-    Members left(others.size());
-    std::size_t count = 0;
-    for (const Member& other : others) {  // without a branch, as none could be foreseen
-      left[count] = other;
-      const double bound = largestSquaredDistance(box, other.place);
-      count += isBetter(pairOf(lowest, other.index, bound), best_) ? 1 : 0;
-    }
-    left.resize(count);
-    Eigen::Index axis = 0;
-    (box.high - box.low).maxCoeff(&axis);
-    const auto middle = ends.begin() + (ends.end() - ends.begin()) / 2;
-    std::nth_element(ends.begin(), middle, ends.end(), [axis](const Member& a, const Member& b) {
-      return std::tie(a.place[axis], a.index) < std::tie(b.place[axis], b.index);
-    });
+    const double best = best_.squared_distance;
+    const bool tie_may_win = isBetter(pairOf(lowest, others.index(0), best), best_);
+    const Members left = others.farFrom(
+        box, tie_may_win ? best : std::nextafter(best, std::numeric_limits<double>::infinity()));
+    const auto middle = halve(ends, box);
     pairUp({ends.begin(), middle}, left);
     pairUp({middle, ends.end()}, left);
   }
 
+  /// In the middle of their box; where that leaves few on one side, by number.
+  static std::vector<End>::iterator halve(const Range& ends, const Box& box) {
+    Eigen::Index axis = 0;
+    (box.high - box.low).maxCoeff(&axis);
+    const double middle = 0.5 * box.low[axis] + 0.5 * box.high[axis];
+    const auto cut = std::partition(ends.begin(), ends.end(), [axis, middle](const End& end) {
+      return end.place[axis] < middle;
+    });
+    const std::ptrdiff_t few = static_cast<std::ptrdiff_t>(ends.size() / 8);
+    if (cut - ends.begin() > few && ends.end() - cut > few) return cut;
+    const auto half = ends.begin() + (ends.end() - ends.begin()) / 2;
+    std::nth_element(ends.begin(), half, ends.end(), [axis](const End& a, const End& b) {
+      return std::tie(a.place[axis], a.index) < std::tie(b.place[axis], b.index);
+    });
+    return half;
+  }
+
   void compare(const Range& ends, const Members& others) {
-    if (others.empty()) return;
-    const std::size_t count = std::max<std::size_t>(others.size(), kLaneCount);
-    RawVector<double> columns(3 * count);
-    const PointColumns places = {&columns[0], &columns[count], &columns[2 * count]};
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3d& place = others[std::min(i, others.size() - 1)].place;
-      columns[i] = place.x();
-      columns[count + i] = place.y();
-      columns[2 * count + i] = place.z();
-    }
-    for (const Member& end : ends) {
-      const FarPoint farthest = kernels().farthestFrom(places, count, plain(end.place));
-      const FarthestPair pair =
-          pairOf(end.index, others[farthest.index].index, farthest.squared_distance);
-      if (isBetter(pair, best_)) best_ = pair;
+    for (const End& end : ends) {
+      const FarPoint farthest = others.farthestFrom(end.place);
+      note(pairOf(end.index, farthest.index, farthest.squared_distance));
     }
   }
 

@@ -12,6 +12,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/few_points.h"
+#include "core/kernels.h"
 #include "core/raw_vector.h"
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
@@ -129,32 +131,36 @@ class FarthestPairTree::Builder {
  public:
   Builder(const TriangleMesh& mesh, HugePageVector<Node>& nodes)
       : nodes_(nodes),
-        centroids_(columnsOf(mesh.triangleCount())),
-        spare_centroids_(columnsOf(mesh.triangleCount())),
-        spare_triangles_(mesh.triangleCount()) {
+        count_(mesh.triangleCount()),
+        centroids_(columnsOf(2 * count_)),
+        triangles_(2 * count_) {
     const Columns centroids = centroidsOf(mesh);
-    triangles_ = orderedTriangles(mesh, centroids);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_.size(), kTrianglesPerTask),
+    const std::vector<TriangleId> ordered = orderedTriangles(mesh, centroids);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_, kTrianglesPerTask),
                       [&](const auto& some) {
                         for (std::size_t i = some.begin(); i < some.end(); ++i) {
+                          triangles_[i] = ordered[i];
                           for (std::size_t axis = 0; axis < 3; ++axis)
-                            centroids_[axis][i] = centroids[axis][index(triangles_[i])];
+                            centroids_[axis][i] = centroids[axis][index(ordered[i])];
                         }
                       });
   }
 
   void run() {
     if (nodes_.empty()) return;
-    splitAll({{0, static_cast<Leaf>(triangles_.size()), 0}, 1});
+    splitAll({{0, static_cast<Leaf>(count_), 0}, 1});
     tasks_.wait();
-    std::vector<Leaf> leaf_of(triangles_.size());
-    for (Leaf leaf = 0; leaf < triangles_.size(); ++leaf) leaf_of[index(triangles_[leaf])] = leaf;
+    std::vector<Leaf> leaf_of(count_);
+    for (Leaf leaf = 0; leaf < count_; ++leaf) leaf_of[index(triangles_[leaf])] = leaf;
     for (Node& node : nodes_) {
       for (Leaf& pole : node.poles) pole = leaf_of[pole];
     }
   }
 
-  std::vector<TriangleId>& triangles() { return triangles_; }
+  /// In the leaves' order.
+  std::vector<TriangleId> triangles() const {
+    return {triangles_.begin(), triangles_.begin() + static_cast<std::ptrdiff_t>(count_)};
+  }
   std::size_t depth() const { return depth_; }
 
  private:
@@ -170,8 +176,12 @@ class FarthestPairTree::Builder {
     while (!pending.empty()) {
       const auto [set, depth] = pending.back();
       pending.pop_back();
+      if (set.size() <= FewPoints::kMost) {
+        noteDepth(depth - 1 + splitFew(set));
+        continue;
+      }
       noteDepth(depth);
-      const std::uint32_t first_size = set.size() == 2 ? splitTwo(set) : split(set);
+      const std::uint32_t first_size = split(set);
       const Set first = {set.begin, set.begin + first_size, set.node + 1};
       const Set second = {set.begin + first_size, set.end, set.node + first_size};
       for (const Set& child : {second, first}) {
@@ -186,12 +196,26 @@ class FarthestPairTree::Builder {
     }
   }
 
-  /// Nothing to measure.
-  std::uint32_t splitTwo(const Set& set) {
-    nodes_[set.node] = {{static_cast<Leaf>(index(triangles_[set.begin])),
-                         static_cast<Leaf>(index(triangles_[set.begin + 1]))},
-                        1};
-    return 1;
+  /// Splits a set of a few all the way down; returns how many levels that takes.
+  std::size_t splitFew(const Set& set) {
+    FewPoints few(pointsOf(set), set.size());
+    std::array<TriangleId, FewPoints::kMost> triangles;
+    std::copy(&triangles_[set.begin], &triangles_[set.end], triangles.begin());
+    const std::size_t levels = splitFew({0, set.size(), set.node}, few, triangles.data());
+    for (Leaf i = 0; i < set.size(); ++i) triangles_[set.begin + i] = triangles[few[i]];
+    return levels;
+  }
+
+  /// The leaves of the set are places in the order of those few. Recursion is safe, as they are.
+  std::size_t splitFew(const Set& set, FewPoints& few, const TriangleId* triangles) {
+    if (set.isLeaf()) return 0;
+    const FewPoints::Split split = few.split(set.begin, set.end);
+    nodes_[set.node] = {{static_cast<Leaf>(index(triangles[split.poles[0]])),
+                         static_cast<Leaf>(index(triangles[split.poles[1]]))},
+                        split.first_size};
+    const Leaf middle = set.begin + split.first_size;
+    return 1 + std::max(splitFew({set.begin, middle, set.node + 1}, few, triangles),
+                        splitFew({middle, set.end, set.node + split.first_size}, few, triangles));
   }
 
   /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.
@@ -212,35 +236,22 @@ class FarthestPairTree::Builder {
     return {&centroids_[0][set.begin], &centroids_[1][set.begin], &centroids_[2][set.begin]};
   }
 
-  Eigen::Vector3d centroid(std::size_t i) const {
+  std::array<double, 3> centroid(std::size_t i) const {
     return {centroids_[0][i], centroids_[1][i], centroids_[2][i]};
   }
 
   /// Puts those that are nearer to the first pole in front; returns how many they are.
-  std::uint32_t separate(const Set& set, const Eigen::Vector3d& first_pole,
-                         const Eigen::Vector3d& second_pole) {
-    Leaf kept = set.begin;
-    Leaf moved = set.begin;
-    for (Leaf i = set.begin; i < set.end; ++i) {
-      const Eigen::Vector3d at = centroid(i);
-      const TriangleId triangle = triangles_[i];
-      // Written to both places, as no branch could be foreseen.
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double value = centroids_[axis][i];
-        centroids_[axis][kept] = value;
-        spare_centroids_[axis][moved] = value;
-      }
-      triangles_[kept] = triangle;
-      spare_triangles_[moved] = triangle;
-      const bool keep = squaredLength(at - first_pole) < squaredLength(at - second_pole);
-      kept += keep ? 1 : 0;
-      moved += keep ? 0 : 1;
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      std::copy(&spare_centroids_[axis][set.begin], &spare_centroids_[axis][moved],
-                &centroids_[axis][kept]);
-    std::copy(&spare_triangles_[set.begin], &spare_triangles_[moved], &triangles_[kept]);
-    return kept - set.begin;
+  std::uint32_t separate(const Set& set, const std::array<double, 3>& first_pole,
+                         const std::array<double, 3>& second_pole) {
+    const PlainTriangles all = {&centroids_[0][set.begin], &centroids_[1][set.begin],
+                                &centroids_[2][set.begin], &triangles_[set.begin]};
+    const std::size_t first_size =
+        kernels().separate(all, set.size(), count_, first_pole, second_pole);
+    const std::size_t second_size = set.size() - first_size;
+    for (double* column : {all.x, all.y, all.z})
+      std::copy_n(column + count_, second_size, column + first_size);
+    std::copy_n(all.ids + count_, second_size, all.ids + first_size);
+    return static_cast<std::uint32_t>(first_size);
   }
 
   void noteDepth(std::size_t depth) {
@@ -250,8 +261,10 @@ class FarthestPairTree::Builder {
   }
 
   HugePageVector<Node>& nodes_;
-  Columns centroids_, spare_centroids_;
-  std::vector<TriangleId> triangles_, spare_triangles_;
+  std::size_t count_;
+  // In the leaves' order; then as much again, for those that are moved out of the way.
+  Columns centroids_;
+  RawVector<TriangleId> triangles_;
   std::atomic<std::size_t> depth_ = 0;
   tbb::task_group tasks_;
 };
@@ -259,7 +272,7 @@ class FarthestPairTree::Builder {
 FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) : nodes_(mesh.triangleCount() - 1) {
   Builder builder(mesh, nodes_);
   builder.run();
-  leaves_ = std::move(builder.triangles());
+  leaves_ = builder.triangles();
   depth_ = builder.depth();
 }
 

@@ -43,11 +43,10 @@ struct FarPoint {
   double squared_distance;
 };
 
-/// One of some points, and its power with respect to a ball: its squared distance from the middle
-/// less the squared radius.
-struct PoweredPoint {
-  std::size_t index;
-  double power;
+/// Triangles by their centroids, one coordinate of all of them after another.
+struct PlainTriangles {
+  double *x, *y, *z;
+  TriangleId* ids;
 };
 
 /// The box of points [m].
@@ -83,13 +82,25 @@ struct Kernels {
                            const std::array<double, 3>& point);
   /// As farthestPair(). REQUIRES: eight points or more.
   FarthestPair (*farthestOfAllPairs)(const PointColumns& points, std::size_t count);
-  /// Lists those whose power is at least `least`, for the ball on the diameter that is given;
-  /// returns how many. The power errs by at most 16 u of the points' squared distance.
+  /// Lists those whose power with respect to the ball on the diameter that is given (the squared
+  /// distance from its middle less the squared radius) is at least `least`; returns how many. The
+  /// power errs by at most 16 u of the points' squared distance.
   /// REQUIRES: eight points or more; room for all of them.
   std::size_t (*listByPower)(const PointColumns& points, std::size_t count,
                              const std::array<double, 3>& first,
                              const std::array<double, 3>& second, double least,
-                             PoweredPoint* found);
+                             std::uint32_t* found);
+  /// Lists those whose squared distance from the farthest corner of a box is at least `least`;
+  /// returns how many. No point of the box is farther, in computed arithmetic too.
+  /// REQUIRES: eight points or more; room for all of them.
+  std::size_t (*listFarFrom)(const PointColumns& points, std::size_t count,
+                             const std::array<double, 3>& low, const std::array<double, 3>& high,
+                             double least, std::uint32_t* found);
+  /// Of `count` triangles, puts those that are nearer to the first place than to the second in
+  /// front, and the others where `spare` tells, both in their order; returns how many are in front.
+  /// REQUIRES: eight triangles or more; from `spare` on, room for all of them.
+  std::size_t (*separate)(const PlainTriangles& triangles, std::size_t count, std::size_t spare,
+                          const std::array<double, 3>& first, const std::array<double, 3>& second);
 };
 
 extern const Kernels kBaselineKernels;

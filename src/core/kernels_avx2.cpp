@@ -8,7 +8,8 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {walk, follow,  walkPairs,    followPairs,        boxOf,      place,
-                              fill, enclose, farthestFrom, farthestOfAllPairs, listByPower};
+const Kernels kAvx2Kernels = {walk,        follow,      walkPairs, followPairs,  boxOf,
+                              place,       fill,        enclose,   farthestFrom, farthestOfAllPairs,
+                              listByPower, listFarFrom, separate};
 
 }  // namespace organ_collision::core

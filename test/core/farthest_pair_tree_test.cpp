@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <set>
 
 #include "brute_force.h"
+#include "every_vector_unit.h"
 #include "organ_collision/core/collision_mesh.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
@@ -60,26 +62,54 @@ TEST(FarthestPairTree, HoldsEveryTriangleInExactlyOneLeaf) {
   }
 }
 
-TEST(FarthestPairTree, EqualsALiteralTranscriptionOfThePaper) {
-  for (const TriangleMesh& mesh : meshes()) {
-    const FarthestPairTree tree(mesh);
-    const test::PaperHierarchy paper(mesh);
-    std::vector<std::pair<Set, const test::PaperHierarchy::Set*>> open = {
-        {tree.root(), &paper.root()}};
-    while (!open.empty()) {
-      const auto [set, expected] = open.back();
-      open.pop_back();
-      ASSERT_EQ(set.isLeaf(), expected->first == nullptr);
-      if (set.isLeaf()) {
-        EXPECT_EQ(centroidOf(tree, mesh, set.begin),
-                  centroid(mesh.triangle(expected->triangles.front())));
-        continue;
-      }
-      EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[0]), expected->first_pole);
-      EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[1]), expected->second_pole);
-      open.emplace_back(tree.children(set)[0], expected->first.get());
-      open.emplace_back(tree.children(set)[1], expected->second.get());
+void expectPaperHierarchy(const TriangleMesh& mesh) {
+  const FarthestPairTree tree(mesh);
+  const test::PaperHierarchy paper(mesh);
+  std::size_t deepest = 0;
+  struct Pair {
+    Set set;
+    const test::PaperHierarchy::Set* expected;
+    std::size_t depth;
+  };
+  std::vector<Pair> open = {{tree.root(), &paper.root(), 0}};
+  while (!open.empty()) {
+    const auto [set, expected, depth] = open.back();
+    open.pop_back();
+    deepest = std::max(deepest, depth);
+    ASSERT_EQ(set.isLeaf(), expected->first == nullptr);
+    if (set.isLeaf()) {
+      EXPECT_EQ(centroidOf(tree, mesh, set.begin),
+                centroid(mesh.triangle(expected->triangles.front())));
+      continue;
     }
+    EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[0]), expected->first_pole);
+    EXPECT_EQ(centroidOf(tree, mesh, tree.poles(set)[1]), expected->second_pole);
+    open.push_back({tree.children(set)[0], expected->first.get(), depth + 1});
+    open.push_back({tree.children(set)[1], expected->second.get(), depth + 1});
+  }
+  EXPECT_EQ(tree.depth(), deepest);
+}
+
+class FarthestPairTreeOnEveryVectorUnit : public test::EveryVectorUnit {};
+ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(FarthestPairTreeOnEveryVectorUnit);
+
+TEST_P(FarthestPairTreeOnEveryVectorUnit, EqualsALiteralTranscriptionOfThePaper) {
+  for (const TriangleMesh& mesh : meshes()) expectPaperHierarchy(mesh);
+}
+
+TEST_P(FarthestPairTreeOnEveryVectorUnit, EqualsItForAFewTrianglesThatTieOrCoincide) {
+  std::mt19937 generator(9);
+  for (std::size_t count = 1; count <= 80; ++count) {
+    Points points;
+    std::vector<Corners> triangles;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d corner(generator() % 4, generator() % 3, generator() % 2);
+      for (const Eigen::Vector3d& edge :
+           {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(3, 0, 0), Eigen::Vector3d(0, 3, 0)})
+        points.push_back(corner + edge);
+      triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
+    }
+    expectPaperHierarchy(TriangleMesh(points, triangles));
   }
 }
 
