@@ -62,7 +62,7 @@ class Members {
     return {indices_[farthest.index], farthest.squared_distance};
   }
 
-  /// Those that are as far from a point of the box as `least`, if it is where they would like it.
+  /// Those whose squared distance from the box's farthest corner is at least `least`.
   /// REQUIRES: eight of them.
   Members farFrom(const Box& box, double least) const {
     Indices far(size());
@@ -203,7 +203,7 @@ class Diameter {
     const auto cut = std::partition(ends.begin(), ends.end(), [axis, middle](const End& end) {
       return end.place[axis] < middle;
     });
-    const std::ptrdiff_t few = static_cast<std::ptrdiff_t>(ends.size() / 8);
+    const std::ptrdiff_t few = static_cast<std::ptrdiff_t>(ends.size() / 4);
     if (cut - ends.begin() > few && ends.end() - cut > few) return cut;
     const auto half = ends.begin() + (ends.end() - ends.begin()) / 2;
     std::nth_element(ends.begin(), half, ends.end(), [axis](const End& a, const End& b) {

@@ -59,10 +59,11 @@ struct Course {
   std::vector<Triangle> tips;
 };
 
-/// [s] per query.
+/// [s] per query, without sign: the paper has none.
 double timeOf(const Course& course, const Accuracy& accuracy) {
   const auto start = std::chrono::steady_clock::now();
-  for (const Triangle& tip : course.tips) core::nearestTriangle(course.organ, tip, accuracy);
+  for (const Triangle& tip : course.tips)
+    core::nearestTriangle(course.organ, tip, accuracy, core::Sign::kNone);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   return elapsed.count() / static_cast<double>(course.tips.size());
 }

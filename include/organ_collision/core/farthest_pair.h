@@ -17,7 +17,7 @@ struct FarthestPair {
 
 /// The two farthest of `count` points: exact, in that no pair has a larger computed squared
 /// distance; of pairs that tie, the one with the smallest first, then the smallest second index.
-/// REQUIRES: count >= 1.
+/// REQUIRES: 1 <= count < 2^32.
 /// Cost: a few sweeps over surfaces and volumes; n^2 never, but points on a sphere come close to
 /// n^1.5. Source: G. Malandain and J.-D. Boissonnat, "Computing the diameter of a point set"
 /// (2002): double normals, then the points outside the ball over the best pair; these are paired
