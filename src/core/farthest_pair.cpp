@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -172,27 +173,30 @@ class Diameter {
   }
 
   /// Compares each end with all others that may be as far from it as the best pair is long.
-  /// Recursion is safe: it is no deeper than some times the logarithm of the ends' number, whatever
-  /// the positions.
-  void pairUp(const Range& ends, const Members& others) {
-    if (others.size() == 0) return;
-    if (ends.size() <= kFewPoints || others.size() < kLaneCount) {
-      compare(ends, others);
-      return;
+  /// Recursion is safe, as it takes the smaller part.
+  void pairUp(Range ends, const Members& all) {
+    std::optional<Members> left;
+    const Members* others = &all;
+    while (ends.size() > kFewPoints && others->size() >= kLaneCount) {
+      Box box;
+      std::size_t lowest = count_;
+      for (const End& end : ends) {
+        box.add(end.place);
+        lowest = std::min(lowest, end.index);
+      }
+      const double best = best_.squared_distance;
+      const bool tie_may_win = isBetter(pairOf(lowest, others->index(0), best), best_);
+      left = others->farFrom(
+          box, tie_may_win ? best : std::nextafter(best, std::numeric_limits<double>::infinity()));
+      others = &*left;
+      const auto middle = halve(ends, box);
+      Range smaller = {ends.begin(), middle};
+      Range larger = {middle, ends.end()};
+      if (smaller.size() > larger.size()) std::swap(smaller, larger);
+      pairUp(smaller, *others);
+      ends = larger;
     }
-    Box box;
-    std::size_t lowest = count_;
-    for (const End& end : ends) {
-      box.add(end.place);
-      lowest = std::min(lowest, end.index);
-    }
-    const double best = best_.squared_distance;
-    const bool tie_may_win = isBetter(pairOf(lowest, others.index(0), best), best_);
-    const Members left = others.farFrom(
-        box, tie_may_win ? best : std::nextafter(best, std::numeric_limits<double>::infinity()));
-    const auto middle = halve(ends, box);
-    pairUp({ends.begin(), middle}, left);
-    pairUp({middle, ends.end()}, left);
+    compare(ends, *others);
   }
 
   /// In the middle of their box; where that leaves few on one side, by number.
@@ -213,6 +217,7 @@ class Diameter {
   }
 
   void compare(const Range& ends, const Members& others) {
+    if (others.size() == 0) return;
     for (const End& end : ends) {
       const FarPoint farthest = others.farthestFrom(end.place);
       note(pairOf(end.index, farthest.index, farthest.squared_distance));
