@@ -6,41 +6,44 @@
 #include <limits>
 #include <utility>
 
+#include "core/lanes.h"
+
 namespace organ_collision::core {
 namespace {
 
 constexpr std::uint32_t kTask = 1024;    // leaves
 constexpr float kPacketCost = 1.3F;      // of a node's
 constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
 Collapse::Collapse(const FarthestPairTree& tree, const Points& centroids)
-    : tree_(tree), costs_(centroids.size() - 1) {
-  const std::vector<Set> above = setsLargerThan(kTask, tree.root());
+    : tree_(tree), weighed_(centroids.size() - 1) {
+  std::vector<Set> above;
   std::vector<Set> tasks;
-  if (above.empty()) tasks.push_back(tree.root());
-  for (const Set& set : above) {
-    for (const Set& child : tree.children(set)) {
-      if (child.size() <= kTask) tasks.push_back(child);
-    }
-  }
-  tbb::parallel_for_each(
-      tasks, [&](const Set& task) { weighUpwards(setsLargerThan(1, task), centroids); });
-  weighUpwards(above, centroids);
-}
-
-/// Of a set and all those below it, those with more leaves than that, parents first.
-std::vector<Collapse::Set> Collapse::setsLargerThan(std::uint32_t least, const Set& top) const {
-  std::vector<Set> sets;
-  std::vector<Set> pending = {top};
+  std::vector<Set> pending = {tree.root()};
   while (!pending.empty()) {
     const Set set = pending.back();
     pending.pop_back();
-    if (set.size() <= least) continue;
-    sets.push_back(set);
-    for (const Set& child : tree_.children(set)) pending.push_back(child);
+    (set.size() <= kTask ? tasks : above).push_back(set);
+    if (set.size() <= kTask) continue;
+    for (const Set& child : tree.children(set)) pending.push_back(child);
   }
+  tbb::parallel_for_each(tasks, [&](const Set& task) { weighUpwards(nodesOf(task), centroids); });
+  weighUpwards(above, centroids);
+}
+
+/// A set and all below it but the leaves, in the order of the nodes: parents first.
+std::vector<Collapse::Set> Collapse::nodesOf(const Set& top) const {
+  std::vector<Set> sets(top.size());
+  sets.front() = top;
+  const std::uint32_t end = top.size() - 1;
+  for (std::uint32_t i = 0; i < end; ++i) {
+    for (const Set& child : tree_.children(sets[i]))  // leaves too: no branch could be foreseen
+      sets[child.isLeaf() ? end : child.node - top.node] = child;
+  }
+  sets.pop_back();
   return sets;
 }
 
@@ -76,15 +79,15 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
   const std::size_t first_packet = layout.packets.size();
   struct Pending {
     Set set;
-    std::uint32_t slots;
+    std::uint32_t lanes;
   };
   std::array<Pending, kLaneCount> pending;
   std::size_t count = 0;
-  const auto divide = [&](const Set& set, std::uint32_t slots) {
+  const auto divide = [&](const Set& set, std::uint32_t lanes) {
     const auto [one, other] = tree_.children(set);
-    const std::uint32_t for_first = costs_[set.node].first_slots[slots - 1];
-    pending[count++] = {other, slots - for_first};
-    pending[count++] = {one, for_first};
+    const std::uint32_t of_first = lanesOfFirst(set, lanes);
+    pending[count++] = {other, lanes - of_first};
+    pending[count++] = {one, of_first};
   };
   if (isPacket(whole)) {
     layout.addPacket(whole, parent);
@@ -92,8 +95,8 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
     divide(whole, kLaneCount);
   }
   while (count > 0) {
-    const auto [set, slots] = pending[--count];
-    const std::uint32_t used = set.isLeaf() ? 1 : costs_[set.node].slots[slots - 1];
+    const auto [set, lanes] = pending[--count];
+    const std::uint32_t used = lanesUsed(set, lanes);
     if (used > 1) {
       divide(set, used);
     } else if (isPacket(set)) {
@@ -110,46 +113,58 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
 }
 
 bool Collapse::isPacket(const Set& set) const {
-  return set.isLeaf() || (set.size() <= kLaneCount && costs_[set.node].is_packet);
+  if (set.isLeaf()) return true;
+  const auto& [costs, weight] = weighed_[set.node];
+  return set.size() <= kLaneCount && costs.front() == kPacketCost * weight;
+}
+
+/// A leaf is a packet, whatever the lanes.
+Collapse::Costs Collapse::costsOf(const Set& set, float weight_of_parent) const {
+  if (!set.isLeaf()) return weighed_[set.node].costs;
+  Costs costs;
+  costs.fill(kPacketCost * weight_of_parent);
+  return costs;
+}
+
+/// Of those that it may use: more only if they cost less.
+std::uint32_t Collapse::lanesUsed(const Set& set, std::uint32_t lanes) const {
+  if (set.isLeaf()) return 1;
+  const Costs& costs = weighed_[set.node].costs;
+  while (lanes > 1 && costs[lanes - 2] == costs[lanes - 1]) --lanes;
+  return lanes;
+}
+
+/// Of those that a set's children share.
+std::uint32_t Collapse::lanesOfFirst(const Set& set, std::uint32_t lanes) const {
+  const auto [one, other] = tree_.children(set);
+  const Costs of_one = costsOf(one, weighed_[set.node].weight);
+  const Costs of_other = costsOf(other, weighed_[set.node].weight);
+  const auto cost = [&](std::uint32_t first) {
+    return of_one[first - 1] + of_other[lanes - first - 1];
+  };
+  std::uint32_t best = 1;
+  for (std::uint32_t first = 2; first < lanes; ++first) {
+    if (cost(first) < cost(best)) best = first;
+  }
+  return best;
 }
 
 void Collapse::weigh(const Set& set, const Points& centroids) {
-  Costs& costs = costs_[set.node];
+  auto& [costs, weight] = weighed_[set.node];
   const auto [a, b] = tree_.poles(set);
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
-  const auto weight = static_cast<float>(visited * visited);
+  weight = static_cast<float>(visited * visited);
   const auto [one, other] = tree_.children(set);
-  std::array<float, kLaneCount> leaf;
-  leaf.fill(kPacketCost * weight);
-  const auto& of_one = one.isLeaf() ? leaf : costs_[one.node].cost;
-  const auto& of_other = other.isLeaf() ? leaf : costs_[other.node].cost;
-  std::array<float, kLaneCount> divided;
-  for (std::uint32_t slots = 2; slots <= kLaneCount; ++slots) {
-    if (slots > set.size()) {  // one for each leaf is enough
-      divided[slots - 1] = divided[slots - 2];
-      costs.first_slots[slots - 1] = costs.first_slots[slots - 2];
-      continue;
-    }
-    divided[slots - 1] = std::numeric_limits<float>::infinity();
-    for (std::uint32_t first = 1; first < slots; ++first) {
-      const float cost = of_one[first - 1] + of_other[slots - first - 1];
-      if (cost < divided[slots - 1]) {
-        divided[slots - 1] = cost;
-        costs.first_slots[slots - 1] = static_cast<std::uint8_t>(first);
-      }
-    }
+  const Costs of_one = costsOf(one, weight);
+  Lanes<float> of_rest = Lanes<float>::copy(costsOf(other, weight).data());
+  Lanes<float> divided = Lanes<float>::all(kInfinity);
+  for (std::size_t first = 1; first < kLaneCount; ++first) {
+    of_rest = movedUp(of_rest, kInfinity);
+    divided = smaller(divided, Lanes<float>::all(of_one[first - 1]) + of_rest);
   }
-  const float as_node = weight + divided[kLaneCount - 1];
-  const float as_packet =
-      set.size() <= kLaneCount ? kPacketCost * weight : std::numeric_limits<float>::infinity();
-  costs.is_packet = as_packet <= as_node;
-  costs.cost[0] = std::min(as_node, as_packet);
-  costs.slots[0] = 1;
-  for (std::uint32_t slots = 2; slots <= kLaneCount; ++slots) {
-    const bool divide = divided[slots - 1] < costs.cost[slots - 2];
-    costs.cost[slots - 1] = divide ? divided[slots - 1] : costs.cost[slots - 2];
-    costs.slots[slots - 1] = divide ? static_cast<std::uint8_t>(slots) : costs.slots[slots - 2];
-  }
+  float whole = weight + divided[kLaneCount - 1];
+  if (set.size() <= kLaneCount) whole = std::min(whole, kPacketCost * weight);
+  smaller(divided, Lanes<float>::all(whole)).store(costs.data());
 }
 
 }  // namespace organ_collision::core

@@ -44,21 +44,24 @@ class Collapse {
   Layout layout() const;
 
  private:
-  struct Costs {
-    std::array<float, kLaneCount> cost;                // of the set in up to 1, 2, ... 8 lanes
-    std::array<std::uint8_t, kLaneCount> slots;        // that it then takes
-    std::array<std::uint8_t, kLaneCount> first_slots;  // of them, its first child's, if 2 or more
-    bool is_packet;
+  /// Of a set in up to 1, 2, ... 8 lanes.
+  using Costs = std::array<float, kLaneCount>;
+  struct Weighed {
+    Costs costs;
+    float weight;  ///< what it costs to look at a node of that size
   };
 
   void addChildren(std::uint32_t parent, Layout& layout) const;
   bool isPacket(const Set& set) const;
-  std::vector<Set> setsLargerThan(std::uint32_t least, const Set& top) const;
+  Costs costsOf(const Set& set, float weight_of_parent) const;
+  std::uint32_t lanesUsed(const Set& set, std::uint32_t lanes) const;
+  std::uint32_t lanesOfFirst(const Set& set, std::uint32_t lanes) const;
+  std::vector<Set> nodesOf(const Set& top) const;
   void weighUpwards(const std::vector<Set>& sets, const Points& centroids);
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;
-  RawVector<Costs> costs_;  // of the hierarchy's nodes
+  RawVector<Weighed> weighed_;  // the hierarchy's nodes
 };
 
 }  // namespace organ_collision::core

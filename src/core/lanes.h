@@ -280,6 +280,21 @@ inline Lanes<Real> mostOfEach(const Lanes<Real> (&rows)[kLanes]) {
   return foldEach(rows, [](const auto& x, const auto& y) { return x > y ? x : y; });
 }
 
+/// In each lane what was in the one before; in lane 0 `first`.
+template <class Real>
+inline Lanes<Real> movedUp(const Lanes<Real>& lanes, Real first) {
+  static_assert(sizeof(Real) == sizeof(float));
+  const auto& [part] = Lanes<Real>::all(first);
+  Lanes<Real> result;
+  if constexpr (Lanes<Real>::kParts == 1) {
+    result.part[0] = __builtin_shufflevector(part[0], lanes.part[0], 0, 8, 9, 10, 11, 12, 13, 14);
+  } else {
+    result.part[0] = __builtin_shufflevector(part[0], lanes.part[0], 0, 4, 5, 6);
+    result.part[1] = __builtin_shufflevector(lanes.part[0], lanes.part[1], 3, 4, 5, 6);
+  }
+  return result;
+}
+
 /// a where it is true, else b.
 template <class Real>
 inline Lanes<Real> select(const Truth<Real>& truth, const Lanes<Real>& a, const Lanes<Real>& b) {
