@@ -11,6 +11,8 @@
 // by 4*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
 // 3*u*(d + 4*r). Together below 16*u*d + 64*(u + v)*r, which every bound gives away; that also
 // covers the 4*u*extent of the exact measurement, and the u*d by which the tip is rounded itself.
+// Boxes of nodes are widened by what concerns r (enclose.h): there 16*u*d is enough, 4*r being a
+// part of d.
 // Products of four edges, or of two and the square of the tip's distance, underflow in single
 // precision where edges are shorter than 2^-29 or edge times distance is below 2^-63; a point may
 // then be taken to lie beside a face, which is wrong by less than the edge, or the face's normal be

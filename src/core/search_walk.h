@@ -33,7 +33,9 @@ class Walk {
     tip_rounding_ = kRoundoff<Real> * reach;
     const WideNode& root = search.nodes[0];
     const Vector<Real> origin = {Real{root.origin[0]}, Real{root.origin[1]}, Real{root.origin[2]}};
-    box_rounding_ = roundingOf(reach + reachOf(origin) + 4 * Real{root.radius}, root.radius);
+    // Boxes are as much larger as what they enclose may be off; gaps along directions are not.
+    box_rounding_ = roundingOf(reach + reachOf(origin) + 4 * Real{root.radius},
+                               kCorners == 2 ? root.radius : 0.0F);
     look();
   }
 
