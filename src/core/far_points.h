@@ -133,7 +133,7 @@ inline std::size_t separate(const PlainTriangles& triangles, std::size_t count, 
   std::size_t kept = 0;
   std::size_t moved = spare;
   const auto deal = [&](std::size_t i, std::uint32_t is_away) {
-    // As arithmetic: no branch could be foreseen, but compilers like them.
+    // By arithmetic: of a choice compilers make a branch, which could not be foreseen.
     const std::size_t to = kept ^ ((kept ^ moved) & (std::size_t{0} - is_away));
     for (double* const column : {triangles.x, triangles.y, triangles.z}) column[to] = column[i];
     triangles.ids[to] = triangles.ids[i];

@@ -17,7 +17,7 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::size_t kFewPoints = 32;  // are compared with all others rather than chosen from
+constexpr std::size_t kFewPoints = 32;  // are compared with all there are: sweeps cost more
 
 bool isBetter(const FarthestPair& candidate, const FarthestPair& best) {
   if (candidate.squared_distance != best.squared_distance)
