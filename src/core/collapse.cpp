@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/lanes.h"
+#include "core/kernels.h"
 
 namespace organ_collision::core {
 namespace {
@@ -155,16 +155,8 @@ void Collapse::weigh(const Set& set, const Points& centroids) {
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
   weight = static_cast<float>(visited * visited);
   const auto [one, other] = tree_.children(set);
-  const Costs of_one = costsOf(one, weight);
-  Lanes<float> of_rest = Lanes<float>::copy(costsOf(other, weight).data());
-  Lanes<float> divided = Lanes<float>::all(kInfinity);
-  for (std::size_t first = 1; first < kLaneCount; ++first) {
-    of_rest = movedUp(of_rest, kInfinity);
-    divided = smaller(divided, Lanes<float>::all(of_one[first - 1]) + of_rest);
-  }
-  float whole = weight + divided[kLaneCount - 1];
-  if (set.size() <= kLaneCount) whole = std::min(whole, kPacketCost * weight);
-  smaller(divided, Lanes<float>::all(whole)).store(costs.data());
+  const float as_packet = set.size() <= kLaneCount ? kPacketCost * weight : kInfinity;
+  kernels().weigh(costsOf(one, weight), costsOf(other, weight), as_packet, weight, costs);
 }
 
 }  // namespace organ_collision::core

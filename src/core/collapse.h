@@ -45,7 +45,7 @@ class Collapse {
 
  private:
   /// Of a set in up to 1, 2, ... 8 lanes.
-  using Costs = std::array<float, kLaneCount>;
+  using Costs = LaneFloats;
   struct Weighed {
     Costs costs;
     float weight;  ///< what it costs to look at a node of that size

@@ -67,7 +67,7 @@ class FewPoints {
   }
 
  private:
-  std::array<std::uint32_t, kMost> order_;
+  std::array<std::uint32_t, kMost> order_ = {};
   std::array<std::array<double, kMost>, kMost> squared_distances_;
 };
 

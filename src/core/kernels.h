@@ -77,6 +77,10 @@ struct Kernels {
   /// Places the origins and boxes of nodes, the last first. REQUIRES: that is done for all nodes
   /// and packets below.
   void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);
+  /// What a set costs in up to 1, 2, ... 8 lanes: divided among its children, of which each takes
+  /// one or more, or whole, in one lane, as a packet or as a node whose children share eight.
+  void (*weigh)(const LaneFloats& of_one, const LaneFloats& of_other, float as_packet, float weight,
+                LaneFloats& costs);
   /// The first of those that are farthest from a point. REQUIRES: eight points or more.
   FarPoint (*farthestFrom)(const PointColumns& points, std::size_t count,
                            const std::array<double, 3>& point);

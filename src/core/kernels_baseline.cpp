@@ -5,11 +5,12 @@
 #include "core/kernels.h"
 #include "core/pair_walk.h"
 #include "core/search_walk.h"
+#include "core/weigh.h"
 
 namespace organ_collision::core {
 
 const Kernels kBaselineKernels = {
-    walk,    follow,       walkPairs,          followPairs, boxOf,       place,   fill,
-    enclose, farthestFrom, farthestOfAllPairs, listByPower, listFarFrom, separate};
+    walk,    follow, walkPairs,    followPairs,        boxOf,       place,       fill,
+    enclose, weigh,  farthestFrom, farthestOfAllPairs, listByPower, listFarFrom, separate};
 
 }  // namespace organ_collision::core
