@@ -44,7 +44,8 @@ class Collapse {
   Layout layout() const;
 
  private:
-  /// Of a set in up to 1, 2, ... 8 lanes.
+  /// Of a set in up to 1, 2, ... 8 lanes. Which lanes, and whether it is a packet, follows from
+  /// them.
   using Costs = LaneFloats;
   struct Weighed {
     Costs costs;
@@ -61,7 +62,7 @@ class Collapse {
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;
-  RawVector<Weighed> weighed_;  // the hierarchy's nodes
+  RawVector<Weighed> weighed_;  // by node of the hierarchy
 };
 
 }  // namespace organ_collision::core

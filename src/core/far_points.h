@@ -16,7 +16,8 @@ inline LaneVector<double> everywhere(const std::array<double, 3>& point) {
   return everywhere(Vector<double>{point[0], point[1], point[2]});
 }
 
-/// Calls visit(i) for the eights of points that begin at i; the last may overlap the one before.
+/// Calls visit(i) for the eights of points that begin at i, from the one given on; the last may
+/// overlap the one before.
 template <class Visit>
 [[gnu::always_inline]] inline void forEights(std::size_t count, const Visit& visit,
                                              std::size_t i = 0) {
