@@ -69,12 +69,11 @@ class NearestSearch : protected Search {
       last = corner;
       const Eigen::Vector3d unit = tree.frame()(corner);
       corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
-      beyond_ = beyond_ || !(largestCoordinate(unit) < kBeyond);
+      farthest = std::max(farthest, largestCoordinate(unit));
     }
     sparing = accuracy.max_leaves != 0;
     leaves_left =
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
-    stack = scratch(tree.depth());
     Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
       return static_cast<NearestSearch&>(search).measure(leaf);
     };
@@ -99,15 +98,20 @@ class NearestSearch : protected Search {
     }
     if (leaves_left == 0) {
       unopened = 0.0;
-    } else if (beyond_) {
-      measureAll();
+    } else if (farthest < kBeyond) {
+      walk();
     } else {
-      kernels().walk(*this);
+      measureAll();
     }
     return answer();
   }
 
  protected:
+  void walk() {
+    stack = scratch(organ_.wideTree().depth());
+    kernels().walk(*this);
+  }
+
   double measure(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return 0.0;
     if (isTied(leaf)) return best;
@@ -193,7 +197,6 @@ class NearestSearch : protected Search {
   const Tip& tip_;
   const Accuracy& accuracy_;
   const double scale_;
-  bool beyond_ = false;
   ClosestPair pair_;
   double squared_best_ = std::numeric_limits<double>::infinity();
 };

@@ -45,6 +45,7 @@ struct Search {
   bool fetches;  ///< they are so many that it is worth while to fetch early what will be read
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count = 0;
+  double farthest = 0.0;      ///< of the corners' coordinates, the largest magnitude
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
   WaitingLanes* stack;      ///< room for one to a level

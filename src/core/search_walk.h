@@ -369,12 +369,7 @@ inline void walkAs(Search& search) {
 }
 
 inline void walk(Search& search) {
-  double farthest = 0.0;
-  for (std::uint32_t i = 0; i < search.corner_count; ++i)
-    for (const double coordinate :
-         {search.corners[i][0], search.corners[i][1], search.corners[i][2]})
-      farthest = magnitudeOf(coordinate) > farthest ? magnitudeOf(coordinate) : farthest;
-  if (farthest < kFar) {
+  if (search.farthest < kFar) {
     walkAs<float>(search);
   } else {
     walkAs<double>(search);

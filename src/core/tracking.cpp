@@ -65,7 +65,7 @@ class TrackedSearch : private NearestSearch<Tip> {
       : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
 
   NearestTriangle run(Sign sign) {
-    if (!isNear()) {
+    if (!(this->farthest < kFar)) {
       memory_.followed.count = 0;
       NearestTriangle nearest = NearestSearch<Tip>::run();
       if (sign == Sign::kProven) addSign(this->organ_, nearest);
@@ -94,26 +94,18 @@ class TrackedSearch : private NearestSearch<Tip> {
   /// Sizes of a triangle, of those that would fill the organ's box, at first.
   static constexpr double kFirstSlack = 4.0;
 
-  bool isNear() const {
-    double farthest = 0.0;
-    for (std::size_t i = 0; i < this->corner_count; ++i)
-      for (const double coordinate : this->corners[i])
-        farthest = std::max(farthest, std::abs(coordinate));
-    return farthest < kFar;
-  }
-
   /// How far tip and mesh have moved towards each other at most, in the unit frame.
   double step() const {
     constexpr double kRoundoff = 0x1p-53;
-    double farthest = 0.0;
+    double tip_step = 0.0;
     const auto now = this->tip_.corners();
     for (std::size_t i = 0; i < now.size(); ++i)
-      farthest = std::max(farthest, (now[i] - memory_.corners[i]).norm());
+      tip_step = std::max(tip_step, (now[i] - memory_.corners[i]).norm());
     const double travel =
         motion_.travel == memory_.motion.travel
             ? 0.0
             : motion_.travel - memory_.motion.travel + 4 * kRoundoff * motion_.travel;
-    return (farthest + travel) * (1 + 8 * kRoundoff) * this->scale_;
+    return (tip_step + travel) * (1 + 8 * kRoundoff) * this->scale_;
   }
 
   bool follows() const {
@@ -139,7 +131,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   void search() {
     memory_.followed.count = 0;
     this->followed = nullptr;
-    kernels().walk(*this);
+    NearestSearch<Tip>::walk();
   }
 
   void walk() {
@@ -152,7 +144,7 @@ class TrackedSearch : private NearestSearch<Tip> {
       memory_.slack =
           kFirstSlack / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
     this->slack = memory_.slack;
-    kernels().walk(*this);
+    NearestSearch<Tip>::walk();
     if (near.count < kFewPackets) memory_.slack = std::min(memory_.slack * kSlackStep, kFar);
     if (near.count > kManyPackets) memory_.slack /= kSlackStep;
     near.nearest = this->best_leaf;

@@ -21,6 +21,15 @@ void requireFewEnough(std::size_t count, const char* what) {
 
 bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordinate; }
 
+/// Apart from the question, which every query asks.
+[[noreturn]] void refuse(const Eigen::Vector3d& position, const char* what, std::size_t number) {
+  std::ostringstream message;
+  message << what << " " << number << " is at (" << position.x() << ", " << position.y() << ", "
+          << position.z() << ") m: coordinates must be finite and below " << kLargestCoordinate
+          << " m";
+  throw std::invalid_argument(message.str());
+}
+
 /// Returns the positions' box.
 Box requireAllUsable(const Points& positions) {
   if (positions.empty()) return {};
@@ -43,12 +52,7 @@ double sumInAnyOrder(double p, double q, double r) {
 }  // namespace
 
 void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
-  if ((position.array().abs() < kLargestCoordinate).all()) return;
-  std::ostringstream message;
-  message << what << " " << number << " is at (" << position.x() << ", " << position.y() << ", "
-          << position.z() << ") m: coordinates must be finite and below " << kLargestCoordinate
-          << " m";
-  throw std::invalid_argument(message.str());
+  if (!(position.array().abs() < kLargestCoordinate).all()) refuse(position, what, number);
 }
 
 TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)
