@@ -16,6 +16,7 @@ namespace organ_collision::core {
 namespace {
 
 constexpr std::size_t kWeldsPerTask = 1024;
+constexpr MeshTopology::Weld kNoWeld = std::numeric_limits<MeshTopology::Weld>::max();
 
 /// Equal for equal positions: minus zero is zero.
 std::uint64_t hash(const Eigen::Vector3d& position) {
@@ -39,18 +40,17 @@ MeshTopology::MeshTopology(const TriangleMesh& mesh) {
 
 /// By a table of the welds so far, at most half full, each at or after the place of its hash.
 void MeshTopology::weldVertices(const TriangleMesh& mesh) {
-  constexpr Weld kNone = std::numeric_limits<Weld>::max();
   const Points& positions = mesh.positions();
   std::size_t size = 1;
   while (size < 2 * positions.size()) size *= 2;
-  std::vector<Weld> table(size, kNone);
+  std::vector<Weld> table(size, kNoWeld);
   welds_.reserve(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     std::size_t place = hash(positions[i]) & (size - 1);
-    while (table[place] != kNone &&
+    while (table[place] != kNoWeld &&
            positions[index(representatives_[table[place]])] != positions[i])
       place = (place + 1) & (size - 1);
-    if (table[place] == kNone) {
+    if (table[place] == kNoWeld) {
       table[place] = static_cast<Weld>(representatives_.size());
       representatives_.push_back(static_cast<VertexId>(i));
     }
@@ -79,13 +79,15 @@ struct MeshTopology::Findings {
   std::size_t duplicate_triangles = 0;
 };
 
-/// Each edge and each triangle is looked at where its lowest weld is.
+/// Each edge and each triangle is looked at where its lowest weld is, unless there is nothing to
+/// be found around that.
 class MeshTopology::Inspector {
  public:
   Inspector(const MeshTopology& topology, const TriangleMesh& mesh)
       : topology_(topology), mesh_(mesh) {}
 
   void inspect(Weld weld, Findings& findings) {
+    if (isClosedFan(weld)) return;
     edges_.clear();
     opposite_sides_.clear();
     const TriangleId* last = nullptr;
@@ -112,9 +114,48 @@ class MeshTopology::Inspector {
   }
 
  private:
-  void add(TriangleId triangle, Weld weld) {
+  /// Whether of few triangles each goes on where one other ends, and no two are each other's back:
+  /// as around nearly all vertices of an organ.
+  bool isClosedFan(Weld weld) const {
+    constexpr std::size_t kFew = 8;
+    const TriangleRange triangles = topology_.trianglesAt(weld);
+    const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
+    if (count > kFew) return false;
+    std::array<Weld, kFew> from;
+    std::array<Weld, kFew> to;
+    from.fill(kNoWeld);
+    to.fill(kNoWeld);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::array<Weld, 3> welds = weldsOf(triangles.first[i]);
+      const std::size_t here = (welds[1] == weld ? 1U : 0U) + (welds[2] == weld ? 2U : 0U);
+      if (here == 3) return false;
+      from[i] = welds[(here + 1) % 3];
+      to[i] = welds[(here + 2) % 3];
+    }
+    std::uint32_t wrong = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      std::uint32_t before = 0;
+      std::uint32_t after = 0;
+      std::uint32_t backs = 0;
+      for (std::size_t j = 0; j < kFew; ++j) {
+        const std::uint32_t comes_before = to[j] == from[i] ? 1U : 0U;
+        const std::uint32_t comes_after = from[j] == to[i] ? 1U : 0U;
+        before += comes_before;
+        after += comes_after;
+        backs += comes_before & comes_after;
+      }
+      wrong |= (before ^ 1U) | (after ^ 1U) | backs;
+    }
+    return wrong == 0;
+  }
+
+  std::array<Weld, 3> weldsOf(TriangleId triangle) const {
     const auto& [a, b, c] = mesh_.corners(triangle);
-    const std::array<Weld, 3> welds = {topology_.weld(a), topology_.weld(b), topology_.weld(c)};
+    return {topology_.weld(a), topology_.weld(b), topology_.weld(c)};
+  }
+
+  void add(TriangleId triangle, Weld weld) {
+    const std::array<Weld, 3> welds = weldsOf(triangle);
     for (const std::size_t i : {0, 1, 2}) {
       const Weld from = welds[i];
       const Weld to = welds[(i + 1) % 3];

@@ -110,9 +110,23 @@ Counts countsOf(const TriangleMesh& mesh) {
   return counts;
 }
 
+/// How often meshes were open, wound wrongly, with duplicates.
+using Seen = std::array<int, 3>;
+
+void compareCounts(const TriangleMesh& mesh, Seen& seen) {
+  const Counts expected = countsOf(mesh);
+  const MeshTopology topology(mesh);
+  ASSERT_EQ(topology.closed(), expected.closed);
+  ASSERT_EQ(topology.consistentlyWound(), expected.consistently_wound);
+  ASSERT_EQ(topology.duplicateTriangles(), expected.duplicate_triangles);
+  seen[0] += expected.closed ? 0 : 1;
+  seen[1] += expected.consistently_wound ? 0 : 1;
+  seen[2] += expected.duplicate_triangles > 0 ? 1 : 0;
+}
+
 TEST(MeshHealth, CountsAsPositionsTellWhateverTheVerticesAre) {
   std::mt19937 generator(7);
-  std::array<int, 3> seen = {};
+  Seen seen = {};
   for (int i = 0; i < 3000; ++i) {
     Points points(3 + generator() % 8);
     for (Eigen::Vector3d& point : points) {
@@ -126,15 +140,54 @@ TEST(MeshHealth, CountsAsPositionsTellWhateverTheVerticesAre) {
       if (generator() % 2 == 0) std::swap(triangle[0], triangle[1]);
       if (generator() % 2 == 0) triangle = corners(vertex(), vertex(), vertex());
     }
-    const TriangleMesh mesh(points, triangles);
-    const Counts expected = countsOf(mesh);
-    const MeshTopology topology(mesh);
-    ASSERT_EQ(topology.closed(), expected.closed);
-    ASSERT_EQ(topology.consistentlyWound(), expected.consistently_wound);
-    ASSERT_EQ(topology.duplicateTriangles(), expected.duplicate_triangles);
-    seen[0] += expected.closed ? 1 : 0;
-    seen[1] += expected.consistently_wound ? 0 : 1;
-    seen[2] += expected.duplicate_triangles > 0 ? 1 : 0;
+    ASSERT_NO_FATAL_FAILURE(compareCounts(TriangleMesh(points, triangles), seen));
+  }
+  for (const int often : seen) EXPECT_GT(often, 100);
+}
+
+/// Closed: from a pole at 0 and one at 1 to a ring of so many.
+std::vector<Corners> bipyramid(std::size_t sides) {
+  std::vector<Corners> triangles;
+  for (std::size_t i = 0; i < sides; ++i) {
+    const std::size_t one = 2 + i;
+    const std::size_t next = 2 + (i + 1) % sides;
+    triangles.push_back(corners(0, one, next));
+    triangles.push_back(corners(1, next, one));
+  }
+  return triangles;
+}
+
+TEST(MeshHealth, FindsWhatIsWrongAroundVerticesOfManyTriangles) {
+  std::mt19937 generator(8);
+  Seen seen = {};
+  for (int i = 0; i < 6000; ++i) {
+    const std::size_t sides = 3 + generator() % 8;
+    std::vector<Corners> triangles = bipyramid(sides);
+    Points points;
+    for (std::size_t vertex = 0; vertex < 2 + sides; ++vertex)
+      points.emplace_back(static_cast<double>(vertex), 0, 0);
+    for (auto faults = generator() % 3; faults > 0; --faults) {
+      const std::size_t one = generator() % triangles.size();
+      switch (generator() % 5) {
+        case 0:
+          triangles.erase(triangles.begin() + static_cast<std::ptrdiff_t>(one));
+          break;
+        case 1:
+          std::swap(triangles[one][0], triangles[one][1]);
+          break;
+        case 2:
+          triangles.push_back({triangles[one][2], triangles[one][0], triangles[one][1]});
+          break;
+        case 3:  // both sides of one more
+          triangles.push_back(corners(0, 2, 4));
+          triangles.push_back(corners(2, 0, 4));
+          break;
+        default:
+          points[generator() % points.size()] = points[generator() % points.size()];
+      }
+    }
+    std::shuffle(triangles.begin(), triangles.end(), generator);
+    ASSERT_NO_FATAL_FAILURE(compareCounts(TriangleMesh(points, triangles), seen));
   }
   for (const int often : seen) EXPECT_GT(often, 100);
 }
