@@ -1,5 +1,7 @@
 #include "core/collapse.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_for_each.h>
 
 #include <algorithm>
@@ -11,9 +13,8 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::uint32_t kTask = 1024;    // leaves
-constexpr float kPacketCost = 1.3F;      // of a node's
-constexpr double kUsualDistance = 0.05;  // of tips, in the unit frame
+constexpr std::uint32_t kTask = 1024;  // leaves
+constexpr std::size_t kGrain = 64;     // nodes that are worth a task
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -55,28 +56,45 @@ void Collapse::weighUpwards(const std::vector<Set>& sets, const Points& centroid
 Collapse::Layout Collapse::layout() const {
   Layout layout;
   layout.nodes.push_back({tree_.root(), 0, 0, 0, 0, 0});
-  for (std::uint32_t node = 0; node < layout.nodes.size();) {
-    layout.levels.push_back(node);
-    const auto next_level = static_cast<std::uint32_t>(layout.nodes.size());
-    for (; node < next_level; ++node) addChildren(node, layout);
+  std::vector<Children> children;  // of a level's nodes
+  for (std::size_t level = 0; level < layout.nodes.size(); level += children.size()) {
+    layout.levels.push_back(static_cast<std::uint32_t>(level));
+    children.resize(layout.nodes.size() - level);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, children.size(), kGrain),
+                      [&](const auto& some) {
+                        for (std::size_t i = some.begin(); i < some.end(); ++i)
+                          children[i] = childrenOf(layout.nodes[level + i].set);
+                      });
+    for (std::size_t i = 0; i < children.size(); ++i)
+      layout.add(children[i], static_cast<std::uint32_t>(level + i));
   }
   return layout;
 }
 
+void Collapse::Layout::add(const Children& children, std::uint32_t parent) {
+  Node& node = nodes[parent];
+  node.first_node = static_cast<std::uint32_t>(nodes.size());
+  node.first_packet = static_cast<std::uint32_t>(packets.size());
+  node.node_count = children.node_count;
+  node.packet_count = children.packet_count;
+  for (std::size_t i = 0; i < children.node_count; ++i)
+    nodes.push_back({children.nodes[i], parent, 0, 0, 0, 0});
+  for (std::size_t i = 0; i < children.packet_count; ++i)
+    packets.push_back({children.packets[i].begin, children.packets[i].end, parent});
+}
+
 /// Neighbours share a packet if there is room.
-void Collapse::Layout::addPacket(const Set& set, std::uint32_t parent) {
-  if (!packets.empty() && packets.back().parent == parent && packets.back().end == set.begin &&
-      set.end - packets.back().begin <= kLaneCount) {
-    packets.back().end = set.end;
+void Collapse::Children::addPacket(const Set& set) {
+  const bool shares = packet_count > 0 && packets[packet_count - 1].end == set.begin &&
+                      set.end - packets[packet_count - 1].begin <= kLaneCount;
+  if (shares) {
+    packets[packet_count - 1].end = set.end;
   } else {
-    packets.push_back({set.begin, set.end, parent});
+    packets[packet_count++] = set;
   }
 }
 
-void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
-  const Set whole = layout.nodes[parent].set;
-  const std::size_t first_node = layout.nodes.size();
-  const std::size_t first_packet = layout.packets.size();
+Collapse::Children Collapse::childrenOf(const Set& whole) const {
   struct Pending {
     Set set;
     std::uint32_t lanes;
@@ -89,8 +107,9 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
     pending[count++] = {other, lanes - of_first};
     pending[count++] = {one, of_first};
   };
+  Children children;
   if (isPacket(whole)) {
-    layout.addPacket(whole, parent);
+    children.addPacket(whole);
   } else {
     divide(whole, kLaneCount);
   }
@@ -100,16 +119,12 @@ void Collapse::addChildren(std::uint32_t parent, Layout& layout) const {
     if (used > 1) {
       divide(set, used);
     } else if (isPacket(set)) {
-      layout.addPacket(set, parent);
+      children.addPacket(set);
     } else {
-      layout.nodes.push_back({set, parent, 0, 0, 0, 0});
+      children.nodes[children.node_count++] = set;
     }
   }
-  Node& node = layout.nodes[parent];
-  node.first_node = static_cast<std::uint32_t>(first_node);
-  node.first_packet = static_cast<std::uint32_t>(first_packet);
-  node.node_count = static_cast<std::uint8_t>(layout.nodes.size() - first_node);
-  node.packet_count = static_cast<std::uint8_t>(layout.packets.size() - first_packet);
+  return children;
 }
 
 bool Collapse::isPacket(const Set& set) const {

@@ -21,6 +21,9 @@ class Collapse {
   using Leaf = FarthestPairTree::Leaf;
   using Set = FarthestPairTree::Set;
 
+  static constexpr float kPacketCost = 1.3F;      ///< of a node's
+  static constexpr double kUsualDistance = 0.05;  ///< of tips, in the unit frame
+
   /// `centroids` of the leaves, in the unit frame. O(n), on all cores.
   Collapse(const FarthestPairTree& tree, const Points& centroids);
 
@@ -33,13 +36,21 @@ class Collapse {
     Leaf begin, end;
     std::uint32_t parent;
   };
+  /// Of a node. Packets may hold neighbouring sets.
+  struct Children {
+    std::array<Set, kLaneCount> nodes, packets;
+    std::uint8_t node_count = 0;
+    std::uint8_t packet_count = 0;
+
+    void addPacket(const Set& set);
+  };
   /// What the sets become, level by level; the children of each node follow one another.
   struct Layout {
     std::vector<Node> nodes;
     std::vector<Packet> packets;
     std::vector<std::uint32_t> levels;  ///< the first node of each
 
-    void addPacket(const Set& set, std::uint32_t parent);
+    void add(const Children& children, std::uint32_t parent);
   };
   Layout layout() const;
 
@@ -52,7 +63,7 @@ class Collapse {
     float weight;  ///< what it costs to look at a node of that size
   };
 
-  void addChildren(std::uint32_t parent, Layout& layout) const;
+  Children childrenOf(const Set& whole) const;
   bool isPacket(const Set& set) const;
   Costs costsOf(const Set& set, float weight_of_parent) const;
   std::uint32_t lanesUsed(const Set& set, std::uint32_t lanes) const;

@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
-#include <random>
 #include <vector>
 
-#include "core/kernels.h"
 #include "every_vector_unit.h"
 #include "organ_collision/core/collision_mesh.h"
 #include "organs_and_tips.h"
@@ -175,38 +172,6 @@ TEST_P(WideTreeBoxes, AreTheSameWhetherAFewVerticesAreRefittedOrAll) {
     EXPECT_EQ(few.wideTree().nodes()[i].low, all.wideTree().nodes()[i].low);
     EXPECT_EQ(few.wideTree().nodes()[i].high, all.wideTree().nodes()[i].high);
     EXPECT_EQ(few.wideTree().nodes()[i].radius, all.wideTree().nodes()[i].radius);
-  }
-}
-
-class WideTreeCosts : public test::EveryVectorUnit {};
-ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(WideTreeCosts);
-
-TEST_P(WideTreeCosts, AreTheLeastOfAllWaysToShareLanes) {
-  constexpr float kNone = std::numeric_limits<float>::infinity();
-  std::mt19937 generator(16);
-  std::uniform_real_distribution<float> cost(1.0F, 2.0F);
-  const auto less_and_less = [&] {
-    LaneFloats costs;
-    for (float& of_lanes : costs) of_lanes = cost(generator);
-    std::sort(costs.rbegin(), costs.rend());
-    return costs;
-  };
-  for (int i = 0; i < 1000; ++i) {
-    const LaneFloats one = less_and_less();
-    const LaneFloats other = less_and_less();
-    LaneFloats expected;
-    expected.fill(kNone);
-    for (std::size_t lanes = 2; lanes <= kLaneCount; ++lanes)
-      for (std::size_t of_one = 1; of_one < lanes; ++of_one)
-        expected[lanes - 1] =
-            std::min(expected[lanes - 1], one[of_one - 1] + other[lanes - of_one - 1]);
-    const float weight = cost(generator) - 1.0F;
-    const float as_packet = i % 2 == 0 ? kNone : 2.0F * cost(generator);
-    const float whole = std::min(as_packet, weight + expected.back());
-    for (float& of_lanes : expected) of_lanes = std::min(of_lanes, whole);
-    LaneFloats costs;
-    kernels().weigh(one, other, as_packet, weight, costs);
-    ASSERT_EQ(costs, expected);
   }
 }
 
