@@ -12,8 +12,6 @@
 #include "node/markers.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
-#include "organ_collision/core/nearest_triangles.h"
-#include "organ_collision/core/triangles_within.h"
 
 namespace organ_collision::node {
 namespace {
@@ -24,47 +22,18 @@ constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
-constexpr double kTransformPatience = 0.1;  // [s] that a service waits for a transform
 constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
-constexpr double kTransformPeriod = 0.005;  // [s] between two looks while it waits
 constexpr double kMasterPeriod = 1.0;       // [s] between two questions whether it knows this node
 constexpr unsigned kSpinnerThreads = 4;     // so that large batches do not keep small ones waiting
 constexpr unsigned kTfQueue = 100;          // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;    // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
     100;  // taken in faster than they come: each is only added to what waits
-constexpr std::size_t kMostPoints = 100'000;        // in one call: answered within a second or so
-constexpr std::size_t kMostTriangles = 10'000'000;  // of a new topology: some GB
-constexpr std::uint32_t kLargestGap = 10'000;       // of sequence numbers: a larger one is no loss
+constexpr std::uint32_t kLargestGap = 10'000;  // of sequence numbers: a larger one is no loss
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
   node.setCallbackQueue(&queue);
   return node;
-}
-
-/// Runs a service's body; what it throws becomes the message of a refusal.
-template <class Response, class Body>
-bool answer(Response& response, Body body) {
-  try {
-    body();
-    response.success = true;
-  } catch (const std::exception& error) {
-    response = Response();
-    response.message = error.what();
-  }
-  return true;
-}
-
-void requireAtMost(std::size_t most, std::size_t count, const char* what) {
-  if (count <= most) return;
-  throw std::invalid_argument(std::to_string(count) + " " + what + " in one call: at most " +
-                              std::to_string(most) + " are allowed");
-}
-
-void requireFrame(const std::string& frame, const Organ& organ) {
-  if (frame == organ.frame()) return;
-  throw std::invalid_argument("frame_id is '" + frame + "', but the mesh of " + organ.name() +
-                              " is in '" + organ.frame() + "'");
 }
 
 }  // namespace
@@ -80,6 +49,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
       diagnostics_(node, private_node, ros::this_node::getName()),
+      services_(organs_, buffer_, [this] { publishMeshInfo(); }),
       update_spinner_(1, &update_queue_),
       spinner_(kSpinnerThreads) {
   hearTf("/tf", false);
@@ -112,12 +82,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       onQueue(private_node, update_queue_)
           .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
                      ros::TransportHints().tcpNoDelay());
-  services_ = {private_node.advertiseService("find_nearest_triangle",
-                                             &CollisionNode::findNearestTriangle, this),
-               private_node.advertiseService("find_triangles_within",
-                                             &CollisionNode::findTrianglesWithin, this),
-               private_node.advertiseService("update_mesh", &CollisionNode::updateMesh, this),
-               private_node.advertiseService("get_mesh", &CollisionNode::getMesh, this)};
+  services_.advertise(private_node);
   const auto every = [&](double period, void (CollisionNode::*action)()) {
     timers_.push_back(private_node.createSteadyTimer(
         ros::WallDuration(period),
@@ -223,115 +188,11 @@ core::Accuracy CollisionNode::accuracy() const {
   return accuracy_;
 }
 
-Organ& CollisionNode::organNamed(const std::string& name) const {
-  if (name.empty() && organs_.size() == 1) return *organs_.front();
-  std::string known;
-  for (const auto& organ : organs_) {
-    if (organ->name() == name) return *organ;
-    known += (known.empty() ? "" : ", ") + organ->name();
-  }
-  throw std::invalid_argument("there is no organ '" + name + "'; known: " + known);
-}
-
-FramePose CollisionNode::waitForPose(const Organ& organ, const std_msgs::Header& header) const {
-  // A transform of just now may still be on its way. The simulator's clock may stand still.
-  const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(kTransformPatience);
-  while (true) {
-    const FrameLookup lookup = lookUpFrame(buffer_, organ.frame(), header.frame_id, header.stamp);
-    if (lookup.pose) return *lookup.pose;
-    if (ros::SteadyTime::now() > deadline) {
-      throw std::invalid_argument("no transform from frame_id '" + header.frame_id + "' to '" +
-                                  organ.frame() + "': " + lookup.reason);
-    }
-    ros::WallDuration(kTransformPeriod).sleep();
-  }
-}
-
-bool CollisionNode::findNearestTriangle(FindNearestTriangle::Request& request,
-                                        FindNearestTriangle::Response& response) {
-  return answer(response, [&] {
-    requireAtMost(kMostPoints, request.points.size(), "points");
-    Organ& organ = organNamed(request.organ);
-    const core::Accuracy accuracy = fromMessage(request.accuracy);
-    const FramePose pose = waitForPose(organ, request.header);
-    const Eigen::Isometry3d& organ_from_points = pose.target_from_source;
-    const Eigen::Isometry3d points_from_organ = organ_from_points.inverse();
-    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-    response.mesh_version = snapshot->version;
-    response.header.frame_id = request.header.frame_id;
-    response.header.stamp = pose.stamp;
-    core::Points points;
-    points.reserve(request.points.size());
-    for (const geometry_msgs::Point& point : request.points) {
-      const Eigen::Vector3d as_sent = fromPoint(point);
-      core::requireUsable(as_sent, "point", points.size());
-      points.push_back(organ_from_points * as_sent);
-    }
-    response.nearest.reserve(points.size());
-    for (const core::NearestTriangle& nearest :
-         core::nearestTriangles(snapshot->organ, points, accuracy)) {
-      organ.account(nearest, accuracy);
-      response.nearest.push_back(toMessage(nearest, points_from_organ));
-    }
-  });
-}
-
-bool CollisionNode::findTrianglesWithin(FindTrianglesWithin::Request& request,
-                                        FindTrianglesWithin::Response& response) {
-  return answer(response, [&] {
-    const Organ& organ = organNamed(request.organ);
-    const FramePose pose = waitForPose(organ, request.header);
-    const Eigen::Vector3d point = fromPoint(request.point);
-    core::requireUsable(point, "point", 0);
-    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-    const core::TrianglesWithin within = core::trianglesWithin(
-        snapshot->organ, pose.target_from_source * point, request.radius, request.max_results);
-    response.mesh_version = snapshot->version;
-    response.complete = within.complete;
-    for (const auto& [triangle, distance] : within.triangles) {
-      response.triangles.push_back(static_cast<std::uint32_t>(triangle));
-      response.distances.push_back(distance);
-    }
-  });
-}
-
-bool CollisionNode::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response) {
-  return answer(response, [&] {
-    requireAtMost(kMostTriangles, request.triangles.size(), "triangles");
-    Organ& organ = organNamed(request.organ);
-    requireFrame(request.header.frame_id, organ);
-    if (request.mode > UpdateMesh::Request::REBUILD) {
-      throw std::invalid_argument("mode is " + std::to_string(request.mode) +
-                                  ": AUTO is 0, REFIT 1, REBUILD 2");
-    }
-    const Organ::Applied applied =
-        request.triangles.empty()
-            ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
-                           request.expected_version)
-            : organ.replace(meshFrom(request), request.expected_version);
-    publishMeshInfo();
-    response.message = applied.reason;
-    response.mesh_version = applied.version;
-    response.action = static_cast<std::uint8_t>(applied.action);
-    response.duration = applied.duration;
-  });
-}
-
-bool CollisionNode::getMesh(GetMesh::Request& request, GetMesh::Response& response) {
-  return answer(response, [&] {
-    const Organ& organ = organNamed(request.organ);
-    const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-    response.frame_id = organ.frame();
-    response.mesh_version = snapshot->version;
-    response.mesh = toMessage(snapshot->organ.mesh());
-  });
-}
-
 void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event) {
   const MeshUpdate& update = *event.getConstMessage();
   const std::uint32_t missed = missedBefore(event);
   try {
-    Organ& organ = organNamed(update.organ);
+    Organ& organ = organNamed(organs_, update.organ);
     for (std::uint32_t i = 0; i < missed; ++i) organ.countLostUpdate();
     enqueue(organ, update);
   } catch (const std::exception& error) {
@@ -357,7 +218,7 @@ std::uint32_t CollisionNode::missedBefore(const ros::MessageEvent<MeshUpdate con
 
 void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
   try {
-    requireFrame(update.header.frame_id, organ);
+    organ.requireFrame(update.header.frame_id);
     organ.enqueue(movesFrom(update));
   } catch (const std::exception&) {
     organ.countLostUpdate();

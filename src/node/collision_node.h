@@ -3,12 +3,8 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
 #include <organ_collision/ContactArray.h>
-#include <organ_collision/FindNearestTriangle.h>
-#include <organ_collision/FindTrianglesWithin.h>
-#include <organ_collision/GetMesh.h>
 #include <organ_collision/MeshUpdate.h>
 #include <organ_collision/OrganCollisionConfig.h>
-#include <organ_collision/UpdateMesh.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <tf2/buffer_core.h>
@@ -24,6 +20,7 @@
 #include "node/contact_cycle.h"
 #include "node/master_watch.h"
 #include "node/proximity_cycle.h"
+#include "node/services.h"
 #include "node/signal.h"
 #include "node/transform_intake.h"
 #include "organ_collision/io/scene.h"
@@ -58,12 +55,6 @@ class CollisionNode {
   std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
 
-  bool findNearestTriangle(FindNearestTriangle::Request& request,
-                           FindNearestTriangle::Response& response);
-  bool findTrianglesWithin(FindTrianglesWithin::Request& request,
-                           FindTrianglesWithin::Response& response);
-  bool updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response);
-  bool getMesh(GetMesh::Request& request, GetMesh::Response& response);
   void takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event);
   std::uint32_t missedBefore(const ros::MessageEvent<MeshUpdate const>& event);
   void enqueue(Organ& organ, const MeshUpdate& update);
@@ -73,8 +64,6 @@ class CollisionNode {
   void publishDiagnostics();
   void checkMaster();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
-  FramePose waitForPose(const Organ& organ, const std_msgs::Header& header) const;
-  Organ& organNamed(const std::string& name) const;
 
   const io::Scene scene_;
   const Organs organs_;
@@ -110,7 +99,7 @@ class CollisionNode {
   ros::CallbackQueue update_queue_;                     // worked off by update_spinner_ alone
   std::map<std::string, std::uint32_t> last_sequence_;  // of each publisher; update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
-  std::vector<ros::ServiceServer> services_;
+  Services services_;
   MasterWatch master_watch_;  // of a timer alone
   std::vector<ros::SteadyTimer> timers_;
   ros::AsyncSpinner update_spinner_, spinner_;  // last: their threads end before what they use

@@ -77,6 +77,12 @@ Organ::Counters Organ::counters() const {
   return counters_;
 }
 
+void Organ::requireFrame(const std::string& frame) const {
+  if (frame == frame_) return;
+  throw std::invalid_argument("frame_id is '" + frame + "', but the mesh of " + name_ + " is in '" +
+                              frame_ + "'");
+}
+
 void Organ::countLostUpdate() {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   ++counters_.updates_lost;
@@ -292,6 +298,16 @@ void Organ::rebuildAndWait(Lock& building) {
 Organ::Builds Organ::builds() const {
   const Lock building(building_);
   return {as_built_->hierarchy, as_built_->reason, rebuild_policy_.figures()};
+}
+
+Organ& organNamed(const Organs& organs, const std::string& name) {
+  if (name.empty() && organs.size() == 1) return *organs.front();
+  std::string known;
+  for (const auto& organ : organs) {
+    if (organ->name() == name) return *organ;
+    known += (known.empty() ? "" : ", ") + organ->name();
+  }
+  throw std::invalid_argument("there is no organ '" + name + "'; known: " + known);
 }
 
 }  // namespace organ_collision::node

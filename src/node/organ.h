@@ -48,6 +48,8 @@ class Organ {
 
   const std::string& name() const { return name_; }
   const std::string& frame() const { return frame_; }
+  /// Throws std::invalid_argument naming both unless the mesh is in that frame.
+  void requireFrame(const std::string& frame) const;
   std::shared_ptr<const OrganSnapshot> snapshot() const { return snapshots_.current(); }
   Counters counters() const;
 
@@ -139,5 +141,8 @@ class Organ {
 };
 
 using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
+
+/// The only organ needs no name. Throws std::invalid_argument naming those that there are.
+Organ& organNamed(const Organs& organs, const std::string& name);
 
 }  // namespace organ_collision::node
