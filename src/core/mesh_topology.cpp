@@ -114,15 +114,17 @@ class MeshTopology::Inspector {
   }
 
  private:
-  /// Whether of few triangles each goes on where one other ends, and no two are each other's back:
-  /// as around nearly all vertices of an organ.
+  static constexpr std::size_t kFew = 8;
+  using Ends = std::array<Weld, kFew>;
+
+  /// Whether there are few triangles, each goes on where one other ends, and no two are each
+  /// other's back: as around nearly all vertices of an organ. It may be false of closed fans.
   bool isClosedFan(Weld weld) const {
-    constexpr std::size_t kFew = 8;
     const TriangleRange triangles = topology_.trianglesAt(weld);
     const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
     if (count > kFew) return false;
-    std::array<Weld, kFew> from;
-    std::array<Weld, kFew> to;
+    Ends from;
+    Ends to;
     from.fill(kNoWeld);
     to.fill(kNoWeld);
     for (std::size_t i = 0; i < count; ++i) {
@@ -132,21 +134,24 @@ class MeshTopology::Inspector {
       from[i] = welds[(here + 1) % 3];
       to[i] = welds[(here + 2) % 3];
     }
-    std::uint32_t wrong = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::uint32_t before = 0;
-      std::uint32_t after = 0;
-      std::uint32_t backs = 0;
-      for (std::size_t j = 0; j < kFew; ++j) {
-        const std::uint32_t comes_before = to[j] == from[i] ? 1U : 0U;
-        const std::uint32_t comes_after = from[j] == to[i] ? 1U : 0U;
-        before += comes_before;
-        after += comes_after;
-        backs += comes_before & comes_after;
-      }
-      wrong |= (before ^ 1U) | (after ^ 1U) | backs;
+    std::size_t running_on = 0;
+    for (std::size_t i = 0; i < count; ++i) running_on += runsOn(from, to, i) ? 1 : 0;
+    return running_on == count;
+  }
+
+  /// Whether of a fan's triangles one comes before this, one after it, and none is its back.
+  static bool runsOn(const Ends& from, const Ends& to, std::size_t i) {
+    std::uint32_t before = 0;
+    std::uint32_t after = 0;
+    std::uint32_t backs = 0;
+    for (std::size_t j = 0; j < kFew; ++j) {
+      const std::uint32_t comes_before = to[j] == from[i] ? 1U : 0U;
+      const std::uint32_t comes_after = from[j] == to[i] ? 1U : 0U;
+      before += comes_before;
+      after += comes_after;
+      backs += comes_before & comes_after;
     }
-    return wrong == 0;
+    return ((before ^ 1U) | (after ^ 1U) | backs) == 0;
   }
 
   std::array<Weld, 3> weldsOf(TriangleId triangle) const {
