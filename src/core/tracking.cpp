@@ -11,7 +11,7 @@
 namespace organ_collision::core {
 
 /// Whether to follow on: where triangles are small for the tip's steps, it costs more than it
-/// saves. Then it is tried again after ever longer rests.
+/// saves. Then it is tried again after ever longer rests, in which tips are searched for.
 class Tracker::Patience {
  public:
   void noteHit() { ++hits_; }
@@ -43,6 +43,7 @@ struct Tracker::Memory {
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
+  std::optional<FarthestPairTree::Leaf> nearest;
   MeshMotion motion;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
@@ -54,8 +55,8 @@ struct Tracker::Memory {
 namespace {
 
 /// As many packets are followed as cost little to keep, and seldom leave too little clear.
-constexpr std::uint32_t kFewPackets = 24;
-constexpr std::uint32_t kManyPackets = 40;
+constexpr std::uint32_t kFewPackets = 6;
+constexpr std::uint32_t kManyPackets = 12;
 
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
@@ -127,10 +128,11 @@ class TrackedSearch : private NearestSearch<Tip> {
     return this->best + near.drift < near.clear * kKept;
   }
 
-  /// Follows nothing.
+  /// Follows nothing. What was nearest is measured first: most of the rest is farther.
   void search() {
     memory_.followed.count = 0;
     this->followed = nullptr;
+    if (memory_.nearest && memory_.motion.build == motion_.build) this->measure(*memory_.nearest);
     NearestSearch<Tip>::walk();
   }
 
@@ -169,6 +171,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     const auto now = this->tip_.corners();
     std::copy(now.begin(), now.end(), memory_.corners.begin());
     memory_.corner_count = now.size();
+    memory_.nearest = this->best_leaf;
     memory_.motion = motion_;
     memory_.scale = this->scale_;
   }

@@ -204,6 +204,34 @@ TEST(Tracker, LooksAtHardlyMoreThanASearchWhereTipsJump) {
   EXPECT_LT(tracked, searched + searched / 10);
 }
 
+TEST(Tracker, SearchesFromWhatWasNearestWhereFollowingDoesNotPay) {
+  const CollisionMesh organ(test::blob(7));
+  Tracker tracker;
+  std::mt19937 generator(37);
+  Eigen::Vector3d tip(0.06, 0.06, 0.06);
+  std::uint64_t tracked = 0;
+  std::uint64_t searched = 0;
+  for (int i = 0; i < 1000; ++i) {
+    tip += randomPoint(generator, 1e-3);
+    tracked += tracker.nearestTriangle(organ, {}, tip).work.bounds;
+    searched += nearestTriangle(organ, tip).work.bounds;
+  }
+  EXPECT_LT(tracked, searched - searched / 20);
+}
+
+TEST(Tracker, SearchesFromNothingInAnotherHierarchy) {
+  const CollisionMesh former(test::blob(4));
+  const CollisionMesh organ(test::cube());
+  for (int seed = 0; seed < 10; ++seed) {
+    Tracker tracker;
+    std::mt19937 generator(seed);
+    for (int i = 0; i < 20; ++i)
+      tracker.nearestTriangle(former, {}, randomPoint(generator, sizeOf(former)));
+    const Eigen::Vector3d tip = randomPoint(generator, sizeOf(organ));
+    expectSame(tracker.nearestTriangle(organ, {1, 0.0}, tip), nearestTriangle(organ, tip));
+  }
+}
+
 TEST(Tracker, RefusesATipThatIsNotANumber) {
   const CollisionMesh organ(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -18,7 +18,7 @@ struct MeshMotion {
 /// all the rest; every motion of tip and mesh lowers the bounds by its length. Only packets whose
 /// bound falls below the nearest distance are looked at again, and while that of the rest does not,
 /// the answer is exact without the tree. Where that does fall again and again, nothing is followed
-/// for a while: then a query costs what nearestTriangle() does.
+/// for a while: then a query is a search that knows how far away the last one's triangle is now.
 class Tracker {
  public:
   Tracker();
