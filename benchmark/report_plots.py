@@ -94,7 +94,7 @@ def draw_latency(nodes, file):
             axis.axvline(node[key], color=COLOURS[5], linewidth=1)
             axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
         axis.set(xscale="log", ylabel="share of tips")
-        axis.set_title(f"{priority} priority", loc="left", fontsize="medium")
+        axis.set_title(f"{priority} priority", loc="left", fontsize="medium", pad=16)
     all_axes[-1, 0].set_xlabel("from the transform sent to the contact received [us]")
     figure.tight_layout()
     figure.savefig(file)
