@@ -43,7 +43,7 @@ struct Tracker::Memory {
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
-  std::optional<FarthestPairTree::Leaf> nearest;
+  std::optional<FarthestPairTree::Leaf> nearest;  // in the hierarchy of `motion`
   MeshMotion motion;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
