@@ -21,7 +21,7 @@ class Collapse {
   using Leaf = FarthestPairTree::Leaf;
   using Set = FarthestPairTree::Set;
 
-  static constexpr float kPacketCost = 1.3F;      ///< of a node's
+  static constexpr float kPacketCost = 1.3F;      ///< times a node's
   static constexpr double kUsualDistance = 0.05;  ///< of tips, in the unit frame
 
   /// `centroids` of the leaves, in the unit frame. O(n), on all cores.

@@ -160,34 +160,37 @@ template <class Real>
 inline Lanes<Real> operator/(const Lanes<Real>& a, const Lanes<Real>& b) {
   return lanewise(a, b, [](const auto& x, const auto& y) { return x / y; });
 }
-/// As built in where that is one instruction: where one of them is a constant, gcc takes two.
-template <class Numbers>
-inline Numbers largerPart(const Numbers& x, const Numbers& y) {
+/// The second where the first is not a number. As built in where that is one instruction: where one
+/// of them is a constant, gcc takes two.
+struct Larger {
+  template <class Numbers>
+  Numbers operator()(const Numbers& x, const Numbers& y) const {
 #if defined(__AVX__)
-  if constexpr (std::is_same_v<Numbers, Part<float>::Numbers>)
-    return __builtin_ia32_maxps256(x, y);
-  else
+    if constexpr (std::is_same_v<Numbers, Part<float>::Numbers>)
+      return __builtin_ia32_maxps256(x, y);
+    else
 #endif
-    return x > y ? x : y;
-}
-template <class Numbers>
-inline Numbers smallerPart(const Numbers& x, const Numbers& y) {
+      return x > y ? x : y;
+  }
+};
+struct Smaller {
+  template <class Numbers>
+  Numbers operator()(const Numbers& x, const Numbers& y) const {
 #if defined(__AVX__)
-  if constexpr (std::is_same_v<Numbers, Part<float>::Numbers>)
-    return __builtin_ia32_minps256(x, y);
-  else
+    if constexpr (std::is_same_v<Numbers, Part<float>::Numbers>)
+      return __builtin_ia32_minps256(x, y);
+    else
 #endif
-    return x < y ? x : y;
-}
-/// The second where the first is not a number.
+      return x < y ? x : y;
+  }
+};
 template <class Real>
 inline Lanes<Real> larger(const Lanes<Real>& a, const Lanes<Real>& b) {
-  return lanewise(a, b, [](const auto& x, const auto& y) { return largerPart(x, y); });
+  return lanewise(a, b, Larger{});
 }
-/// The second where the first is not a number.
 template <class Real>
 inline Lanes<Real> smaller(const Lanes<Real>& a, const Lanes<Real>& b) {
-  return lanewise(a, b, [](const auto& x, const auto& y) { return smallerPart(x, y); });
+  return lanewise(a, b, Smaller{});
 }
 template <class Real>
 inline Lanes<Real> root(const Lanes<Real>& a) {
@@ -245,11 +248,11 @@ template <class Real, class Operation>
 }
 template <class Real>
 [[gnu::always_inline]] inline Real leastOf(const Lanes<Real>& lanes) {
-  return fold(lanes, [](const auto& x, const auto& y) { return x < y ? x : y; });
+  return fold(lanes, Smaller{});
 }
 template <class Real>
 inline Real mostOf(const Lanes<Real>& lanes) {
-  return fold(lanes, [](const auto& x, const auto& y) { return x > y ? x : y; });
+  return fold(lanes, Larger{});
 }
 template <class Real>
 inline Real sumOf(const Lanes<Real>& lanes) {
@@ -293,11 +296,11 @@ inline Lanes<Real> foldEach(const Lanes<Real> (&rows)[kLanes], const Operation& 
 }
 template <class Real>
 inline Lanes<Real> leastOfEach(const Lanes<Real> (&rows)[kLanes]) {
-  return foldEach(rows, [](const auto& x, const auto& y) { return x < y ? x : y; });
+  return foldEach(rows, Smaller{});
 }
 template <class Real>
 inline Lanes<Real> mostOfEach(const Lanes<Real> (&rows)[kLanes]) {
-  return foldEach(rows, [](const auto& x, const auto& y) { return x > y ? x : y; });
+  return foldEach(rows, Larger{});
 }
 
 /// In each lane what was in the one before; in lane 0 `first`.

@@ -83,7 +83,7 @@ class NearestSearch : protected Search {
     share = 1.0 / (1.0 + accuracy.max_relative_error);
     allowance = accuracy.max_absolute_error * scale_;
     best = unopened = std::numeric_limits<double>::infinity();
-    best_leaf = std::numeric_limits<std::uint32_t>::max();
+    best_leaf = kNoLeaf;
     best_vertex = kNoVertex;
   }
 

@@ -12,6 +12,7 @@ namespace organ_collision::core {
 constexpr double kFar = 8.0;
 
 constexpr VertexId kNoVertex{~0U};
+constexpr std::uint32_t kNoLeaf = ~0U;
 
 /// What waits of a node that was opened: one set that comes next, and perhaps more.
 struct alignas(64) WaitingLanes {
@@ -31,7 +32,7 @@ struct Followed {
   alignas(64) std::array<LaneFloats, kMost> tied_until;
   std::array<std::uint32_t, kMost> packets;
   std::uint32_t count = 0;
-  std::uint32_t nearest;             ///< leaf
+  std::uint32_t nearest = kNoLeaf;   ///< of the last query, also of one that followed nothing
   VertexId tied_vertex = kNoVertex;  ///< of `nearest`, for which tied_until holds; or for none
   double clear;                      ///< of all else, the least
   double drift;  ///< so far at most have tip and mesh moved towards each other since the walk

@@ -75,7 +75,6 @@ class Walk {
     }
     finish();
     if (search_.best_leaf != followed.nearest) followed.tied_vertex = kNoVertex;
-    followed.nearest = search_.best_leaf;
   }
 
  private:

@@ -39,11 +39,10 @@ class Tracker::Patience {
 
 /// Of the last query.
 struct Tracker::Memory {
-  Followed followed;  // in the unit frame; nothing where the last query followed nothing
+  Followed followed;  // in the unit frame, of the hierarchy of `motion`; perhaps nothing
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
-  std::optional<FarthestPairTree::Leaf> nearest;  // in the hierarchy of `motion`
   MeshMotion motion;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
@@ -132,7 +131,8 @@ class TrackedSearch : private NearestSearch<Tip> {
   void search() {
     memory_.followed.count = 0;
     this->followed = nullptr;
-    if (memory_.nearest && memory_.motion.build == motion_.build) this->measure(*memory_.nearest);
+    const FarthestPairTree::Leaf last = memory_.followed.nearest;
+    if (last != kNoLeaf && memory_.motion.build == motion_.build) this->measure(last);
     NearestSearch<Tip>::walk();
   }
 
@@ -149,7 +149,6 @@ class TrackedSearch : private NearestSearch<Tip> {
     NearestSearch<Tip>::walk();
     if (near.count < kFewPackets) memory_.slack = std::min(memory_.slack * kSlackStep, kFar);
     if (near.count > kManyPackets) memory_.slack /= kSlackStep;
-    near.nearest = this->best_leaf;
   }
 
   const SurfaceNormal& normalAt(const NearestTriangle& nearest) {
@@ -171,7 +170,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     const auto now = this->tip_.corners();
     std::copy(now.begin(), now.end(), memory_.corners.begin());
     memory_.corner_count = now.size();
-    memory_.nearest = this->best_leaf;
+    memory_.followed.nearest = this->best_leaf;
     memory_.motion = motion_;
     memory_.scale = this->scale_;
   }

@@ -110,8 +110,8 @@ Counts countsOf(const TriangleMesh& mesh) {
   return counts;
 }
 
-/// How often meshes were open, wound wrongly, with duplicates.
-using Seen = std::array<int, 3>;
+/// How often meshes were closed, open, wound wrongly, with duplicates.
+using Seen = std::array<int, 4>;
 
 void compareCounts(const TriangleMesh& mesh, Seen& seen) {
   const Counts expected = countsOf(mesh);
@@ -119,9 +119,9 @@ void compareCounts(const TriangleMesh& mesh, Seen& seen) {
   ASSERT_EQ(topology.closed(), expected.closed);
   ASSERT_EQ(topology.consistentlyWound(), expected.consistently_wound);
   ASSERT_EQ(topology.duplicateTriangles(), expected.duplicate_triangles);
-  seen[0] += expected.closed ? 0 : 1;
-  seen[1] += expected.consistently_wound ? 0 : 1;
-  seen[2] += expected.duplicate_triangles > 0 ? 1 : 0;
+  ++seen[expected.closed ? 0 : 1];
+  seen[2] += expected.consistently_wound ? 0 : 1;
+  seen[3] += expected.duplicate_triangles > 0 ? 1 : 0;
 }
 
 TEST(MeshHealth, CountsAsPositionsTellWhateverTheVerticesAre) {
