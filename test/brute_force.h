@@ -30,19 +30,20 @@ inline double squaredDistanceByBruteForce(const core::TriangleMesh& mesh,
   return least;
 }
 
-/// Where the greedy search ends that measures the poles themselves.
-inline core::FarthestPairTree::Leaf greedyLeaf(const core::FarthestPairTree& tree,
-                                               const core::TriangleMesh& mesh,
-                                               const Eigen::Vector3d& tip) {
+/// Where the greedy search ends that measures the poles themselves, and after how many splits.
+inline std::pair<core::FarthestPairTree::Leaf, std::uint32_t> greedyPath(
+    const core::FarthestPairTree& tree, const core::TriangleMesh& mesh,
+    const Eigen::Vector3d& tip) {
   core::FarthestPairTree::Set set = tree.root();
-  while (!set.isLeaf()) {
+  std::uint32_t splits = 0;
+  for (; !set.isLeaf(); ++splits) {
     const auto squared_distance = [&](std::size_t pole) {
       const core::TriangleId triangle = tree.triangle(tree.poles(set)[pole]);
       return core::squaredLength(tip - core::centroid(mesh.triangle(triangle)));
     };
     set = tree.children(set)[squared_distance(0) < squared_distance(1) ? 0 : 1];
   }
-  return set.begin;
+  return {set.begin, splits};
 }
 
 }  // namespace organ_collision::test

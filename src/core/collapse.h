@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/raw_vector.h"
 #include "organ_collision/core/farthest_pair_tree.h"
+#include "organ_collision/core/huge_pages.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/wide_node.h"
 
@@ -73,7 +73,7 @@ class Collapse {
   void weigh(const Set& set, const Points& centroids);
 
   const FarthestPairTree& tree_;
-  RawVector<Weighed> weighed_;  // by node of the hierarchy
+  HugePageVector<Weighed> weighed_;  // by node of the hierarchy
 };
 
 }  // namespace organ_collision::core

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/kernels.h"
-#include "core/raw_vector.h"
 #include "organ_collision/core/box.h"
+#include "organ_collision/core/huge_pages.h"
 
 namespace organ_collision::core {
 namespace {
@@ -33,7 +33,7 @@ std::array<double, 3> plain(const Eigen::Vector3d& point) {
   return {point.x(), point.y(), point.z()};
 }
 
-using Indices = RawVector<std::uint32_t>;
+using Indices = HugePageVector<std::uint32_t>;
 
 /// Some of a set's points, in order.
 class Members {
@@ -77,7 +77,7 @@ class Members {
  private:
   Indices indices_;
   std::size_t stride_;
-  RawVector<double> coordinates_;
+  HugePageVector<double> coordinates_;
 };
 
 /// A set of points and the best pair found so far.

@@ -14,9 +14,9 @@
 
 #include "core/few_points.h"
 #include "core/kernels.h"
-#include "core/raw_vector.h"
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
+#include "organ_collision/core/huge_pages.h"
 
 namespace organ_collision::core {
 namespace {
@@ -41,12 +41,12 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
                                       });
 }
 
-using Columns = std::array<RawVector<double>, 3>;
+using Columns = std::array<HugePageVector<double>, 3>;
 
 constexpr std::size_t kTrianglesPerTask = 1024;
 
 Columns columnsOf(std::size_t size) {
-  return {RawVector<double>(size), RawVector<double>(size), RawVector<double>(size)};
+  return {HugePageVector<double>(size), HugePageVector<double>(size), HugePageVector<double>(size)};
 }
 
 Columns centroidsOf(const TriangleMesh& mesh) {
@@ -66,7 +66,7 @@ Columns centroidsOf(const TriangleMesh& mesh) {
 /// By centroid, then by sorted corners: of two triangles, the lexicographically smaller.
 bool comesFirst(const TriangleMesh& mesh, const Columns& centroids, TriangleId first,
                 TriangleId second) {
-  for (const RawVector<double>& column : centroids) {
+  for (const HugePageVector<double>& column : centroids) {
     const double one = column[index(first)];
     const double other = column[index(second)];
     if (one != other) return one < other;
@@ -115,21 +115,13 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
   return triangles;
 }
 
-/// Twice what the rounding of centroids and tip, in single precision, makes of the difference of
-/// squared distances: these times the tip's reach and the poles' distance from each other, and
-/// times their offset from the tip.
-constexpr double kApartRounding = 0x1p-17;
-constexpr float kOffsetRounding = 0x1p-20F;
-/// The same for the distances to the poles themselves, in double precision.
-constexpr double kPoleRounding = 0x1p-46;
-
 }  // namespace
 
 /// Splits sets without disturbing the order of those that stay together; sets that are large are
 /// split side by side.
 class FarthestPairTree::Builder {
  public:
-  Builder(const TriangleMesh& mesh, HugePageVector<Node>& nodes)
+  Builder(const TriangleMesh& mesh, HugePageVector<BinaryNode>& nodes)
       : nodes_(nodes),
         count_(mesh.triangleCount()),
         centroids_(columnsOf(2 * count_)),
@@ -152,7 +144,7 @@ class FarthestPairTree::Builder {
     tasks_.wait();
     std::vector<Leaf> leaf_of(count_);
     for (Leaf leaf = 0; leaf < count_; ++leaf) leaf_of[index(triangles_[leaf])] = leaf;
-    for (Node& node : nodes_) {
+    for (BinaryNode& node : nodes_) {
       for (Leaf& pole : node.poles) pole = leaf_of[pole];
     }
   }
@@ -224,7 +216,7 @@ class FarthestPairTree::Builder {
     const bool coincident = pair.squared_distance == 0.0;
     const std::size_t first = set.begin + pair.first;
     const std::size_t second = set.begin + (coincident ? set.size() / 2 : pair.second);
-    Node& node = nodes_[set.node];
+    BinaryNode& node = nodes_[set.node];
     node.poles = {static_cast<Leaf>(index(triangles_[first])),
                   static_cast<Leaf>(index(triangles_[second]))};
     node.first_size =
@@ -260,11 +252,11 @@ class FarthestPairTree::Builder {
     }
   }
 
-  HugePageVector<Node>& nodes_;
+  HugePageVector<BinaryNode>& nodes_;
   std::size_t count_;
   // In the leaves' order; then as much again, for those that are moved out of the way.
   Columns centroids_;
-  RawVector<TriangleId> triangles_;
+  HugePageVector<TriangleId> triangles_;
   std::atomic<std::size_t> depth_ = 0;
   tbb::task_group tasks_;
 };
@@ -276,51 +268,8 @@ FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) : nodes_(mesh.trian
   depth_ = builder.depth();
 }
 
-bool FarthestPairTree::isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
-                                           const Eigen::Vector3d& tip) const {
-  const auto squared_distance = [&](std::size_t i) {
-    return squaredLength(tip - centroid(mesh.triangle(leaves_[node.poles[i]])));
-  };
-  return squared_distance(0) < squared_distance(1);
-}
-
-FarthestPairTree::GreedyPath FarthestPairTree::greedySearch(const TriangleMesh& mesh,
-                                                            const Centroids& centroids,
-                                                            const Eigen::Vector3d& tip) const {
-  const UnitFrame& frame = centroids.frame;
-  const Eigen::Vector3d unit_tip = frame(tip);
-  const double reach = 1.0 + largestCoordinate(unit_tip);
-  const double offset_of_mesh = largestCoordinate(frame.center) * frame.scale;
-  const auto of_apart = static_cast<float>(kApartRounding * reach);
-  const auto absolute = static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh));
-  const Eigen::Vector3f q = unit_tip.cast<float>();
-  std::uint32_t nodes = 0;
-  Set set = root();
-  for (; !set.isLeaf(); ++nodes) {
-    const Node& node = nodes_[set.node];
-    const Eigen::Map<const Eigen::Vector3f> first(centroids.places[node.poles[0]].data());
-    const Eigen::Map<const Eigen::Vector3f> second(centroids.places[node.poles[1]].data());
-    // The difference of the squared distances.
-    const Eigen::Vector3f apart = second - first;
-    const Eigen::Vector3f offset = (q - first) + (q - second);
-    const float side = apart.dot(offset);
-    const float rounding =
-        of_apart * apart.lpNorm<1>() + kOffsetRounding * offset.lpNorm<1>() + absolute;
-    // Not a number: not sure.
-    const bool in_first =
-        std::abs(side) > rounding ? side < 0.0F : isNearerToFirstPole(mesh, node, tip);
-    // As children() tells, but without both of them in memory.
-    if (in_first) {
-      set = {set.begin, set.begin + node.first_size, set.node + 1};
-    } else {
-      set = {set.begin + node.first_size, set.end, set.node + node.first_size};
-    }
-  }
-  return {set.begin, nodes};
-}
-
 std::size_t FarthestPairTree::memory() const {
-  return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(TriangleId);
+  return nodes_.capacity() * sizeof(BinaryNode) + leaves_.capacity() * sizeof(TriangleId);
 }
 
 }  // namespace organ_collision::core

@@ -44,12 +44,6 @@ inline LaneVector<float> cornerOf(const PlainMesh& mesh, const TrianglePacket& p
   });
 }
 
-inline void store(const LaneVector<float>& v, LanePoints& points) {
-  v.x.store(points[0].data());
-  v.y.store(points[1].data());
-  v.z.store(points[2].data());
-}
-
 /// The largest coordinate.
 inline Lanes<float> reachOf(const LaneVector<float>& v) {
   return larger(larger(magnitude(v.x), magnitude(v.y)), magnitude(v.z));
@@ -61,46 +55,18 @@ inline float radiusAround(const Lanes<float>& reaches) {
   return kDiagonal * mostOf(reaches) + kPlaceRounding;
 }
 
-inline void storeCentroids(const LaneVector<float>& centroids, const TrianglePacket& packet,
-                           std::array<float, 3>* places) {
-  alignas(64) LanePoints rows;
-  store(centroids, rows);
-#if defined(__AVX512F__)
-  // 24 numbers in the order of memory, of which the lanes in use are stored.
-  using Eight __attribute__((vector_size(32))) = float;
-  using Sixteen __attribute__((vector_size(64))) = float;
-  const auto* row = reinterpret_cast<const Eight*>(&rows);
-  const Sixteen xy =
-      __builtin_shufflevector(row[0], row[1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const Sixteen z =
-      __builtin_shufflevector(row[2], row[2], 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
-  const Sixteen first =
-      __builtin_shufflevector(xy, z, 0, 8, 16, 1, 9, 17, 2, 10, 18, 3, 11, 19, 4, 12, 20, 5);
-  const Sixteen last =
-      __builtin_shufflevector(xy, z, 13, 21, 6, 14, 22, 7, 15, 23, 0, 0, 0, 0, 0, 0, 0, 0);
-  const std::uint32_t used = (1U << (3 * packet.lane_count)) - 1;
-  float* place = places[packet.first_leaf].data();
-  __builtin_ia32_storeups512_mask(place, first, static_cast<std::uint16_t>(used));
-  __builtin_ia32_storeups512_mask(place + 16, last, static_cast<std::uint16_t>(used >> 16));
-#else
-#pragma GCC unroll 8
-  for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
-    places[leafIn(packet, lane)] = {rows[0][lane], rows[1][lane], rows[2][lane]};
-#endif
-}
-
 /// What rounding makes of the square of a flat triangle's normal: this part of that of two edges.
 /// The edges are off by 2*kPlaceRounding and shorter than 8.
 constexpr float kFlat = 0x1p-36F;
 
 [[gnu::always_inline]] inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
-                                                  std::array<float, 3>* centroids) {
+                                                  LanePoints& centroids) {
   const LaneVector<float> a = cornerOf(mesh, packet, 0);
   const LaneVector<float> b = cornerOf(mesh, packet, 1);
   const LaneVector<float> c = cornerOf(mesh, packet, 2);
   const LaneVector<float> ab = b - a;
   const LaneVector<float> ac = c - a;
-  storeCentroids(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), packet, centroids);
+  store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), centroids);
 
   const Vector<float> first = {a.x[0], a.y[0], a.z[0]};
   packet.origin = {first.x, first.y, first.z};
@@ -124,11 +90,11 @@ constexpr float kFlat = 0x1p-36F;
 }
 
 inline void fill(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
-                 std::array<float, 3>* centroids, PacketTally* tallies) {
+                 PacketSplits* splits, PacketTally* tallies) {
   constexpr std::size_t kAhead = 8;  // packets
   for (std::size_t i = 0; i < count; ++i) {
     __builtin_prefetch(&packets[i + kAhead].origin, 1);
-    tallies[i] = fillOne(mesh, packets[i], centroids);
+    tallies[i] = fillOne(mesh, packets[i], splits[i].centroids);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/descent.h"
 #include "core/pair_search.h"
 #include "core/search.h"
 #include "organ_collision/core/farthest_pair.h"
@@ -60,6 +61,8 @@ struct Kernels {
   void (*walk)(Search& search);
   /// Looks again at what is followed and may be nearest after the drift.
   void (*follow)(Search& search);
+  /// Goes down by the splits to a leaf; false where rounding could decide one of them wrongly.
+  bool (*descend)(Descent& descent);
   /// Walks through two trees at once.
   void (*walkPairs)(PairSearch& search);
   /// Looks at the pairs that are followed, after the surfaces have moved by at most `step`.
@@ -69,11 +72,14 @@ struct Kernels {
   /// Rounds `count` vertices, x, y, z [m], to their places.
   void (*place)(const double* positions, std::size_t count, const PlainUnitFrame& frame,
                 VertexPlace* places);
-  /// Takes over where the triangles of `count` packets are, and the centroid of each leaf. Who may
-  /// be flat, as far as rounding can tell, is said to be.
+  /// Takes over where the triangles of `count` packets are, and their centroids. Who may be flat,
+  /// as far as rounding can tell, is said to be.
   /// REQUIRES: first_leaf and lane_count of the packets.
   void (*fill)(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
-               std::array<float, 3>* centroids, PacketTally* tallies);
+               PacketSplits* splits, PacketTally* tallies);
+  /// Takes over where the poles of `count` nodes' splits are, as slots, from the packets.
+  void (*placeSplits)(const PacketSplits* packets, const Poles* poles, std::size_t count,
+                      NodeSplits* nodes);
   /// Places the origins and boxes of nodes, the last first. REQUIRES: that is done for all nodes
   /// and packets below.
   void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);

@@ -1,4 +1,5 @@
 #include "core/box_of_points.h"
+#include "core/descend.h"
 #include "core/enclose.h"
 #include "core/far_points.h"
 #include "core/fill.h"
@@ -9,8 +10,21 @@
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {
-    walk,    follow, walkPairs,    followPairs,        boxOf,       place,       fill,
-    enclose, weigh,  farthestFrom, farthestOfAllPairs, listByPower, listFarFrom, separate};
+const Kernels kAvx2Kernels = {walk,
+                              follow,
+                              descend,
+                              walkPairs,
+                              followPairs,
+                              boxOf,
+                              place,
+                              fill,
+                              placeSplits,
+                              enclose,
+                              weigh,
+                              farthestFrom,
+                              farthestOfAllPairs,
+                              listByPower,
+                              listFarFrom,
+                              separate};
 
 }  // namespace organ_collision::core

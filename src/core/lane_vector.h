@@ -49,6 +49,11 @@ inline LaneVector<Real> load(const LanePoints& points) {
   return {Lanes<Real>::load(&points[0][0]), Lanes<Real>::load(&points[1][0]),
           Lanes<Real>::load(&points[2][0])};
 }
+inline void store(const LaneVector<float>& v, LanePoints& points) {
+  v.x.store(points[0].data());
+  v.y.store(points[1].data());
+  v.z.store(points[2].data());
+}
 template <class Real>
 inline LaneVector<Real> everywhere(const Vector<Real>& v) {
   return {Lanes<Real>::all(v.x), Lanes<Real>::all(v.y), Lanes<Real>::all(v.z)};

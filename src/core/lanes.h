@@ -334,6 +334,32 @@ inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bou
   return smaller(least, select(those, bounds, least));
 }
 
+/// Those that are below zero, by bits; -0 too.
+inline std::uint32_t signsOf(const Lanes<float>& lanes) {
+  Truth<float> signs;
+  __builtin_memcpy(signs.part, lanes.part, sizeof(signs.part));
+  for (auto& part : signs.part) part >>= 31;
+  return signs.bits();
+}
+
+/// The lanes of these numbers, three bits each, the first in the lowest bits.
+inline Lanes<float> permuted(const Lanes<float>& lanes, std::uint32_t numbers) {
+  Lanes<float> result;
+#if defined(__AVX2__)
+  using Eight __attribute__((vector_size(32))) = std::int32_t;
+  const Eight chosen =
+      (Eight{} + static_cast<std::int32_t>(numbers)) >> Eight{0, 3, 6, 9, 12, 15, 18, 21};
+  result.part[0] =
+      __builtin_ia32_permvarsf256(lanes.part[0], chosen);  // the lowest three bits count
+#else
+  float from[kLanes], to[kLanes];
+  lanes.store(from);
+  for (int i = 0; i < kLanes; ++i) to[i] = from[numbers >> (3 * i) & 7U];
+  result = Lanes<float>::copy(to);
+#endif
+  return result;
+}
+
 inline std::uint32_t lowestBit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(__builtin_ctz(bits));
 }

@@ -106,12 +106,10 @@ class NearestPairSearch : protected PairSearch {
   void measureGreedily() {
     const Box& box = first_.health().box;
     const Eigen::Vector3d middle = pose_ * (box.low + 0.5 * (box.high - box.low));
-    const auto there =
-        second_.tree().greedySearch(second_.mesh(), second_.wideTree().centroids(), middle);
+    const GreedyPath there = greedySearch(second_, middle);
     const Eigen::Vector3d target = pose_.inverse(Eigen::Affine) * centroid(ofSecond(there.end));
-    const auto back =
-        first_.tree().greedySearch(first_.mesh(), first_.wideTree().centroids(), target);
-    bounds += there.nodes + back.nodes;
+    const GreedyPath back = greedySearch(first_, target);
+    bounds += there.splits + back.splits;
     measure(back.end, there.end);
     ++triangles;
     --pairs_left;

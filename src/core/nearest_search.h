@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/greedy_search.h"
 #include "core/kernels.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/sign.h"
@@ -89,8 +90,7 @@ class NearestSearch : protected Search {
 
   NearestTriangle run() {
     if (accuracy_.max_leaves != 0) {
-      const auto [leaf, splits] = organ_.tree().greedySearch(
-          organ_.mesh(), organ_.wideTree().centroids(), tip_.routingPoint());
+      const auto [leaf, splits] = greedySearch(organ_, tip_.routingPoint());
       measure(leaf);
       bounds += splits;
       --leaves_left;

@@ -47,11 +47,31 @@ void requireUsable(const Accuracy& accuracy) {
 
 namespace {
 
+/// The paper's answer, of which no more is known than that it is a triangle.
+template <class Tip>
+NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip) {
+  const auto [leaf, splits] = greedySearch(organ, tip.routingPoint());
+  const ClosestPair pair = tip.measure(organ.mesh().triangle(organ.wideTree().corners()[leaf]));
+  const double distance = std::sqrt(pair.on_second.squared_distance);
+  const double to_box = std::sqrt(tip.squaredDistanceTo(organ.health().box));
+  return {organ.tree().triangle(leaf),
+          pair.on_second,
+          pair.point_on_first,
+          Eigen::Vector3d::Zero(),
+          distance,
+          std::min(distance, to_box),
+          distance,
+          false,
+          {splits, 1}};
+}
+
 template <class Tip>
 NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy,
                           Sign sign) {
   requireUsable(accuracy);
-  NearestTriangle nearest = NearestSearch<Tip>(organ, tip, accuracy).run();
+  NearestTriangle nearest = accuracy.max_leaves == 1
+                                ? greedyTo(organ, tip)
+                                : NearestSearch<Tip>(organ, tip, accuracy).run();
   if (sign == Sign::kProven) addSign(organ, nearest);
   return nearest;
 }

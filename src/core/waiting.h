@@ -7,7 +7,6 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::uint32_t kPacketBit = 0x80000000U;
 constexpr std::uint32_t kNoSet = ~0U;  // seems to be a packet
 
 using Keys __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;

@@ -14,6 +14,7 @@
 
 #include "core/collapse.h"
 #include "core/kernels.h"
+#include "core/node_splits.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -91,17 +92,32 @@ Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : vertices_(mesh.positions().size()),
+    : frame_(frame),
+      vertices_(mesh.positions().size()),
       corners_(mesh.triangleCount()),
-      places_(mesh.triangleCount()) {
-  centroids_.frame = frame;
-  centroids_.places.resize(mesh.triangleCount());
+      slots_(mesh.triangleCount()) {
   const Points centroids = centroidsOf(tree, mesh, frame);
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
   nodes_.resize(layout.nodes.size());
   parents_.resize(nodes_.size());
   packets_.resize(layout.packets.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, packets_.size(), kPacketGrain),
+                    [&](const auto& some) {
+                      for (std::size_t number = some.begin(); number < some.end(); ++number) {
+                        const auto& [begin, end, parent] = layout.packets[number];
+                        packets_[number].first_leaf = begin;
+                        packets_[number].lane_count = end - begin;
+                        packets_[number].parent = parent;
+                        for (Leaf leaf = begin; leaf < end; ++leaf)
+                          listLeaf(tree, mesh, leaf,
+                                   static_cast<std::uint32_t>(number) * kLaneCount + leaf - begin);
+                      }
+                    });
+  guide_.sets.resize(nodes_.size());
+  guide_.nodes.resize(nodes_.size());
+  guide_.packets.resize(packets_.size());
+  poles_.resize(nodes_.size());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, nodes_.size(), kNodeGrain), [&](const auto& some) {
         for (std::size_t self = some.begin(); self < some.end(); ++self) {
@@ -115,19 +131,11 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
           store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(),
                 node.axes);
           parents_[self] = parent;
+          guide_.sets[self] = set;
+          poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
+                                                  guide_.nodes[self], guide_.packets.data()));
         }
       });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, packets_.size(), kPacketGrain),
-                    [&](const auto& some) {
-                      for (std::size_t number = some.begin(); number < some.end(); ++number) {
-                        const auto& [begin, end, parent] = layout.packets[number];
-                        packets_[number].first_leaf = begin;
-                        packets_[number].lane_count = end - begin;
-                        packets_[number].parent = parent;
-                        for (Leaf leaf = begin; leaf < end; ++leaf)
-                          listLeaf(tree, mesh, leaf, number * kLaneCount + leaf - begin);
-                      }
-                    });
   listParts();
   tallies_.resize(packets_.size());
   touched_.resize(nodes_.size() + packets_.size());
@@ -135,10 +143,19 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }
 
 void WideTree::listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
-                        std::size_t place) {
+                        std::uint32_t slot) {
   const TriangleId triangle = tree.triangle(leaf);
   corners_[leaf] = mesh.corners(triangle);
-  places_[index(triangle)] = static_cast<std::uint32_t>(place);
+  slots_[index(triangle)] = slot;
+}
+
+/// REQUIRES: all leaves are listed.
+Poles WideTree::slotsOf(const FarthestPairTree& tree, const Poles& leaves) const {
+  Poles slots;
+  for (std::size_t pole = 0; pole < leaves.size(); ++pole)
+    for (std::size_t split = 0; split < kLaneCount; ++split)
+      slots[pole][split] = slots_[index(tree.triangle(leaves[pole][split]))];
+  return slots;
 }
 
 /// A node's box is drawn around those kLevels below it, and around packets' on the way there.
@@ -171,7 +188,7 @@ void WideTree::addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t belo
 }
 
 void WideTree::refit(const TriangleMesh& mesh, const UnitFrame& frame) {
-  centroids_.frame = frame;
+  frame_ = frame;
   fitAll(mesh, Fit::kBoxes);
 }
 
@@ -241,7 +258,7 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<VertexId>& move
     return true;
   };
   for (const TriangleId triangle : touched) {
-    const std::uint32_t packet = places_[index(triangle)] / kLaneCount;
+    const std::uint32_t packet = slots_[index(triangle)] / kLaneCount;
     if (!touch(packets, packet, nodes_.size() + packet)) continue;
     std::uint32_t node = packets_[packet].parent;
     while (touch(nodes, node, node) && node != 0) node = parents_[node];
@@ -274,7 +291,7 @@ void WideTree::place(const TriangleMesh& mesh, std::size_t begin, std::size_t en
 /// Returns what their triangles add to the health.
 HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& packets) {
   kernels().fill({vertices_.data(), corners_.data()}, packets_.data() + packets.begin,
-                 packets.end - packets.begin, centroids_.places.data(),
+                 packets.end - packets.begin, guide_.packets.data() + packets.begin,
                  tallies_.data() + packets.begin);
   HealthTally tally;
   double squared_edges = 0.0;
@@ -308,6 +325,8 @@ HealthTally WideTree::tallyOf(std::uint32_t packet) const {
 void WideTree::enclose(const Range& nodes, Fit fit) {
   kernels().enclose({nodes_.data(), packets_.data(), parts_.data(), first_parts_.data()},
                     nodes.begin, nodes.end, fit);
+  kernels().placeSplits(guide_.packets.data(), poles_.data() + nodes.begin, nodes.end - nodes.begin,
+                        guide_.nodes.data() + nodes.begin);
 }
 
 Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
@@ -324,15 +343,16 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
 
 std::size_t WideTree::searchMemory() const {
   return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(Packet) +
-         corners_.capacity() * sizeof(Corners) +
-         centroids_.places.capacity() * sizeof(centroids_.places.front());
+         corners_.capacity() * sizeof(Corners) + guide_.sets.capacity() * sizeof(Set) +
+         guide_.nodes.capacity() * sizeof(NodeSplits) +
+         guide_.packets.capacity() * sizeof(PacketSplits);
 }
 
 std::size_t WideTree::memory() const {
   return searchMemory() + vertices_.capacity() * sizeof(VertexPlace) +
          tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
-         parts_.capacity() * sizeof(NodePart) +
-         (first_parts_.capacity() + parents_.capacity() + places_.capacity() + levels_.capacity()) *
+         parts_.capacity() * sizeof(NodePart) + poles_.capacity() * sizeof(Poles) +
+         (first_parts_.capacity() + parents_.capacity() + slots_.capacity() + levels_.capacity()) *
              sizeof(std::uint32_t);
 }
 

@@ -84,7 +84,7 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
         ASSERT_EQ(std::abs(nearestTriangle(organ, tip).distance),
                   std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
         ASSERT_EQ(nearestTriangle(organ, tip, Accuracy::greedy()).triangle,
-                  organ.tree().triangle(test::greedyLeaf(organ.tree(), organ.mesh(), tip)));
+                  organ.tree().triangle(test::greedyPath(organ.tree(), organ.mesh(), tip).first));
       }
     }
   }

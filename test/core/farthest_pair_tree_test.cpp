@@ -127,23 +127,6 @@ TEST(FarthestPairTree, DoesNotDependOnTheNumbersOfTheTriangles) {
   }
 }
 
-TEST(FarthestPairTree, GreedySearchFollowsTheTrianglesAlsoAfterARefit) {
-  std::mt19937 generator(6);
-  for (const TriangleMesh& original : meshes()) {
-    CollisionMesh organ(original);
-    Points moved = original.positions();
-    for (Eigen::Vector3d& point : moved)
-      point = Eigen::Vector3d(point.y() + 1.0, -2.0 * point.x(), point.z() * point.x());
-    organ.refit(moved);
-    for (int i = 0; i < 300; ++i) {
-      const Eigen::Vector3d tip =
-          i % 3 == 0 ? moved[generator() % moved.size()] : test::randomPoint(generator, 2.0);
-      const auto path = organ.tree().greedySearch(organ.mesh(), organ.wideTree().centroids(), tip);
-      ASSERT_EQ(path.end, test::greedyLeaf(organ.tree(), organ.mesh(), tip));
-    }
-  }
-}
-
 TEST(FarthestPairTree, CoincidentTrianglesEndInALogarithmOfLevels) {
   // 1000 equilateral triangles turned about one centre: their centroids agree but for rounding.
   Points points;

@@ -9,6 +9,7 @@
 #include <string>
 #include <type_traits>
 
+#include "core/descend.h"
 #include "core/lane_vector.h"
 #include "core/waiting.h"
 
@@ -127,6 +128,23 @@ Keys keysOfSquares(std::uint32_t pattern) {
   for (std::uint32_t lane = 0; lane < kLanes; ++lane)
     if ((pattern >> lane & 1U) == 0) some[lane] = -1;
   return some;
+}
+
+TEST(Lanes, AreChosenByTheirNumbers) {
+  const Lanes<float> lanes = Lanes<float>::numbers() - Lanes<float>::all(2.5F);
+  constexpr std::uint32_t kNumbers = 05742013U;  // in octal, the first one last
+  const std::uint32_t expected[kLanes] = {3, 1, 0, 2, 4, 7, 5, 0};
+  const Lanes<float> chosen = permuted(lanes, kNumbers);
+  for (std::uint32_t i = 0; i < kLanes; ++i) EXPECT_EQ(chosen[i], lanes[expected[i]]);
+  EXPECT_EQ(signsOf(lanes), 0b111U);
+  EXPECT_EQ(signsOf(Lanes<float>{} - Lanes<float>::numbers()), kAll ^ 1U);
+}
+
+TEST(Descent, FindsTheFirstByteThatIsZero) {
+  EXPECT_EQ(firstZero(0), 0U);
+  EXPECT_EQ(firstZero(0xFF80017F00000100U), 0U);
+  EXPECT_EQ(firstZero(0xFF80017F00010101U), 3U);
+  EXPECT_EQ(firstZero(0x00FF0180017F8001U), 7U);
 }
 
 TEST(SetsThatWait, AreTakenTheNearestFirst) {

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "organ_collision/core/binary_node.h"
 #include "organ_collision/core/huge_pages.h"
 #include "organ_collision/core/triangle_mesh.h"
-#include "organ_collision/core/unit_frame.h"
 
 namespace organ_collision::core {
 
@@ -40,7 +40,6 @@ class FarthestPairTree {
   Set root() const { return {0, static_cast<Leaf>(leaves_.size()), 0}; }
   /// REQUIRES: not a leaf.
   std::array<Set, 2> children(const Set& set) const {
-    // A set of m leaves has m - 1 nodes; they follow its own, the first child's before the other's.
     const std::uint32_t first_size = nodes_[set.node].first_size;
     return {Set{set.begin, set.begin + first_size, set.node + 1},
             Set{set.begin + first_size, set.end, set.node + first_size}};
@@ -49,37 +48,15 @@ class FarthestPairTree {
   const std::array<Leaf, 2>& poles(const Set& set) const { return nodes_[set.node].poles; }
   TriangleId triangle(Leaf leaf) const { return leaves_[leaf]; }
 
-  /// Where the triangles are, as well as single precision can tell.
-  struct Centroids {
-    UnitFrame frame;
-    HugePageVector<std::array<float, 3>> places;  ///< in that frame, of each leaf
-  };
-
-  /// Where the paper's search leads: go to the child whose pole is nearer to `tip` [m], of equally
-  /// near ones to the second, until one triangle is left. Only where the rounding of `centroids`
-  /// could decide wrongly, those of `mesh` are measured.
-  struct GreedyPath {
-    Leaf end;
-    std::uint32_t nodes;  ///< on the way
-  };
-  GreedyPath greedySearch(const TriangleMesh& mesh, const Centroids& centroids,
-                          const Eigen::Vector3d& tip) const;
+  const HugePageVector<BinaryNode>& nodes() const { return nodes_; }  ///< of the sets
 
   std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a leaf
   std::size_t memory() const;                   ///< [bytes]
 
  private:
-  struct Node {
-    std::array<Leaf, 2> poles;
-    std::uint32_t first_size;  // leaves of the first child
-  };
-
   class Builder;
 
-  bool isNearerToFirstPole(const TriangleMesh& mesh, const Node& node,
-                           const Eigen::Vector3d& tip) const;
-
-  HugePageVector<Node> nodes_;
+  HugePageVector<BinaryNode> nodes_;
   std::vector<TriangleId> leaves_;
   std::size_t depth_ = 0;
 };

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
+#include <utility>
 #include <vector>
 
 namespace organ_collision::core {
@@ -15,7 +17,8 @@ void* allocateArray(std::size_t size, std::size_t alignment);
 void freeArray(void* array, std::size_t size, std::size_t alignment) noexcept;
 
 /// For arrays that are read here and there: to find an address in one of many small pages can take
-/// longer than to read it.
+/// longer than to read it. New elements of plain types are left without a value: on all cores,
+/// whoever writes first touches the memory.
 template <class T>
 struct HugePageAllocator {
   using value_type = T;  // NOLINT(readability-identifier-naming): the name that std::vector wants
@@ -29,6 +32,14 @@ struct HugePageAllocator {
   }
   void deallocate(T* array, std::size_t count) noexcept {
     freeArray(array, count * sizeof(T), alignof(T));
+  }
+  template <class Item, class... Arguments>
+  void construct(Item* place, Arguments&&... arguments) {
+    if constexpr (sizeof...(Arguments) == 0) {
+      ::new (static_cast<void*>(place)) Item;
+    } else {
+      ::new (static_cast<void*>(place)) Item(std::forward<Arguments>(arguments)...);
+    }
   }
 
   friend bool operator==(const HugePageAllocator& /*one*/, const HugePageAllocator& /*other*/) {

@@ -30,6 +30,38 @@ struct alignas(64) TrianglePacket {
   std::uint32_t parent;  ///< node
 };
 
+/// A set that follows from a node or from a walk: the number of a node, or this bit and a slot,
+/// which is a packet's number * 8 + the lane of the set's first leaf.
+constexpr std::uint32_t kPacketBit = 0x80000000U;
+
+/// The splits of the hierarchy, up to seven, between a set and those below it, up to eight; all are
+/// decided at a time. A byte for each set tells the splits above it, by bits, and of these those
+/// where it goes with the first pole; of sets that are not in use, impossible ones.
+struct SplitPaths {
+  std::uint64_t above, firsts;
+};
+
+/// The splits within a wide node. A tip p is nearer to the first pole where 2 * apart . p < middle.
+struct alignas(64) NodeSplits {
+  LanePoints apart;             ///< from the first pole to the second
+  LaneFloats middle;            ///< apart . (first pole + second pole), in the unit frame
+  std::array<float, 3> origin;  ///< one of the poles, there
+  float radius;                 ///< what the poles' coordinates from there sum up to, the most
+  std::array<std::uint32_t, kLaneCount> sets;  ///< in the order of the leaves
+  SplitPaths paths;
+};
+
+/// The splits within a packet, of all sets that it holds, down to its lanes.
+struct PacketSplits {
+  LanePoints centroids;  ///< in the unit frame
+  SplitPaths paths;
+  std::array<std::uint32_t, 2>
+      poles;  ///< the lanes of the first ones, of the second; three bits each
+};
+
+/// The poles of up to eight splits, as leaves or as slots: those that come first, and the others.
+using Poles = std::array<std::array<std::uint32_t, kLaneCount>, 2>;
+
 /// Lanes of a node that boxes of one above are drawn around.
 struct NodePart {
   std::uint32_t node;

@@ -17,6 +17,13 @@ namespace organ_collision::core {
 
 enum class Fit : std::uint8_t;
 
+/// What leads the paper's search, as well as single precision can tell.
+struct GreedyGuide {
+  HugePageVector<FarthestPairTree::Set> sets;  ///< of the nodes
+  HugePageVector<NodeSplits> nodes;
+  HugePageVector<PacketSplits> packets;
+};
+
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
 /// their boxes in the node's own orientation (seen from outside, a surface looks equidistant to
 /// boxes along the axes), and below them packets of up to eight triangles. All in single precision,
@@ -53,11 +60,11 @@ class WideTree {
   Box boxOf(const Node& node, std::uint32_t lane) const;
 
   Leaf leafOf(TriangleId triangle) const {
-    const std::uint32_t place = places_[index(triangle)];
-    return packets_[place / kLaneCount].first_leaf + place % kLaneCount;
+    const std::uint32_t slot = slots_[index(triangle)];
+    return packets_[slot / kLaneCount].first_leaf + slot % kLaneCount;
   }
-  const UnitFrame& frame() const { return centroids_.frame; }
-  const FarthestPairTree::Centroids& centroids() const { return centroids_; }
+  const UnitFrame& frame() const { return frame_; }
+  const GreedyGuide& guide() const { return guide_; }
   const HugePageVector<Node>& nodes() const { return nodes_; }  ///< the root first
   const HugePageVector<Packet>& packets() const { return packets_; }
   const HugePageVector<Corners>& corners() const { return corners_; }  ///< of each leaf
@@ -74,7 +81,8 @@ class WideTree {
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
   void listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
-                std::size_t place);
+                std::uint32_t slot);
+  Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
@@ -86,7 +94,8 @@ class WideTree {
   HealthTally tallyOf(std::uint32_t packet) const;
   void enclose(const Range& nodes, Fit fit);
 
-  FarthestPairTree::Centroids centroids_;
+  UnitFrame frame_;
+  GreedyGuide guide_;
   HugePageVector<Node> nodes_;
   HugePageVector<Packet> packets_;
   HugePageVector<VertexPlace> vertices_;
@@ -99,7 +108,8 @@ class WideTree {
   std::vector<NodePart> parts_;             // one node's after another's
   std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;      // of the nodes
-  std::vector<std::uint32_t> places_;       // of each triangle: its packet * 8 + its lane
+  std::vector<std::uint32_t> slots_;        // of each triangle: its packet * 8 + its lane
+  std::vector<Poles> poles_;                // of the nodes' splits, as slots
   std::vector<std::uint32_t> levels_;       // the first node of each
 };
 

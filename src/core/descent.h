@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "organ_collision/core/ids.h"
+#include "organ_collision/core/wide_node.h"
+
+namespace organ_collision::core {
+
+/// The paper's search on its way down: what it is given, and where it has come. Lengths in the unit
+/// frame.
+struct Descent {
+  const NodeSplits* nodes;
+  const PacketSplits* packets;
+  const TrianglePacket* triangles;  ///< of the packets
+  const Corners* leaf_corners;      ///< of them, by leaf
+  std::array<float, 3> tip;
+  /// What rounding makes of the difference of the squared distances from two poles is less than the
+  /// first times the poles' distance, their offset's part (see descend.h), and the second.
+  float per_distance, least;
+  float
+      squared_per_root;  ///< or, squared, than this times the sum of those squares, and the second
+
+  std::uint32_t node = 0;    ///< that it has come to: all before is decided
+  std::uint32_t splits = 0;  ///< before
+  std::uint32_t firsts = 0;  ///< the node's splits, by bits, where it goes with the first pole
+  std::uint32_t sure = 0;    ///< those of which that is sure
+  std::uint32_t leaf = 0;    ///< in the end
+};
+
+}  // namespace organ_collision::core
