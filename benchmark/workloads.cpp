@@ -1,6 +1,7 @@
 #include "workloads.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -17,6 +18,8 @@ constexpr double kLongestStep = 0.0006;
 constexpr double kHighest = 0.02;
 constexpr double kTurn = 0.1;               // of the direction, from step to step
 constexpr double kStepsPerSwing = 2000.0;   // of the height above the surface
+constexpr double kSwing = 0.95;             // of half the highest
+constexpr double kSteepest = 0.5;           // slope, back to that height
 constexpr std::size_t kTriesPerTip = 1000;  // to find a point inside
 
 class Dice {
@@ -79,13 +82,11 @@ core::Points inside(const core::CollisionMesh& organ, std::size_t count, Dice di
   return tips;
 }
 
-/// The point at a height above the surface near `tip`, on the outside or where the outside is not
-/// known on the tip's side.
-Vector3d above(const core::CollisionMesh& organ, const Vector3d& tip, double height) {
-  const core::NearestTriangle nearest = core::nearestTriangle(organ, tip);
-  Vector3d outward = nearest.normal;
-  if (!nearest.distance_signed || outward.isZero(0.0)) outward = -nearest.closest.offset;
-  return nearest.closest.point + height * outward.stableNormalized();
+/// Away from the surface, on the outside; where that is not known, on the tip's side.
+Vector3d outwardAt(const core::NearestTriangle& nearest) {
+  const Vector3d away = -nearest.closest.offset;
+  if (away.isZero(0.0)) return nearest.normal;
+  return (nearest.distance < 0.0 ? -away : away).stableNormalized();
 }
 
 }  // namespace
@@ -93,17 +94,23 @@ Vector3d above(const core::CollisionMesh& organ, const Vector3d& tip, double hei
 core::Points trajectory(const core::CollisionMesh& organ, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   const Vector3d one = Vector3d::Ones();
-  Vector3d direction = dice.inBox(-one, one).normalized();
-  Vector3d tip = above(organ, organ.mesh().positions().front(), 0.5 * kHighest);
+  const Vector3d start = organ.mesh().positions().front();
+  Vector3d tip = start + 0.5 * kHighest * outwardAt(core::nearestTriangle(organ, start));
+  Vector3d direction = dice.inBox(-one, one);
   core::Points tips;
   while (tips.size() < count) {
+    const core::NearestTriangle nearest = core::nearestTriangle(organ, tip);
+    const Vector3d outward = outwardAt(nearest);
     const double phase = 2.0 * M_PI * static_cast<double>(tips.size()) / kStepsPerSwing;
-    const double height = 0.5 * kHighest * (1.0 + std::sin(phase));
-    Vector3d step = above(organ, tip + kLongestStep * direction, height) - tip;
-    if (step.norm() > kLongestStep) step *= kLongestStep / step.norm();
-    tip += step;
+    const double height = 0.5 * kHighest * (1.0 + kSwing * std::sin(phase));
+    const double rise = (height - nearest.distance) / kLongestStep;
+    // Along the surface, whatever its shape: who only kept above the nearest point would stay where
+    // that is a corner.
+    direction = (direction - direction.dot(outward) * outward).normalized();
+    tip +=
+        kLongestStep * (direction + std::clamp(rise, -kSteepest, kSteepest) * outward).normalized();
     tips.push_back(tip);
-    direction = (step.stableNormalized() + kTurn * dice.inBox(-one, one)).normalized();
+    direction += kTurn * dice.inBox(-one, one);
   }
   return tips;
 }
