@@ -16,8 +16,8 @@ struct Workload {
   core::Points tips;
 };
 
-/// A smooth walk around an organ whose box has a diagonal of 1: steps of at most 0.0006, 0 to 0.02
-/// above the surface.
+/// A smooth walk along an organ whose box has a diagonal of 1: steps of 0.0006, 0 to 0.02 above the
+/// surface.
 core::Points trajectory(const core::CollisionMesh& organ, std::size_t count, std::uint64_t seed);
 
 /// Of an organ whose box has a diagonal of 1, `count` tips each:

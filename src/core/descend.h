@@ -54,8 +54,8 @@ inline Signs signsOf(const Descent& descent, const NodeSplits& node) {
                              (twice.z * apart.z - Lanes<float>::load(node.middle.data()));
   const float of_offset =
       kOffsetRounding * 2 * (reachOf(relative(tip, node.origin)) + node.radius) + descent.least;
-  const Lanes<float> rounding = Lanes<float>::all(descent.per_distance) * sumOfMagnitudes(apart) +
-                                Lanes<float>::all(of_offset);
+  const Lanes<float> rounding =
+      Lanes<float>::all(descent.of_apart) * sumOfMagnitudes(apart) + Lanes<float>::all(of_offset);
   return {signsOf(sides), (rounding <= magnitude(sides)).bits()};
 }
 
@@ -69,7 +69,7 @@ inline Signs signsOf(const Descent& descent, const PacketSplits& packet) {
   const Lanes<float> one = permuted(squares, packet.poles[0]);
   const Lanes<float> other = permuted(squares, packet.poles[1]);
   const Lanes<float> sides = one - other;
-  const Lanes<float> rounding = Lanes<float>::all(descent.squared_per_root) * (one + other) +
+  const Lanes<float> rounding = Lanes<float>::all(descent.of_squares) * (one + other) +
                                 Lanes<float>::all(4 * descent.least * descent.least);
   return {signsOf(sides), (rounding <= sides * sides).bits()};
 }

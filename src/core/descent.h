@@ -16,11 +16,11 @@ struct Descent {
   const TrianglePacket* triangles;  ///< of the packets
   const Corners* leaf_corners;      ///< of them, by leaf
   std::array<float, 3> tip;
-  /// What rounding makes of the difference of the squared distances from two poles is less than the
-  /// first times the poles' distance, their offset's part (see descend.h), and the second.
-  float per_distance, least;
-  float
-      squared_per_root;  ///< or, squared, than this times the sum of those squares, and the second
+  /// Rounding makes less of the difference of the squared distances from two poles than, where it
+  /// is told from the plane between them, of_apart times their distance, kOffsetRounding times
+  /// their offsets from the tip, and `least`; where it is told from squares, than the root of
+  /// of_squares times the sum of the squares and 4 * least^2.
+  float of_apart, least, of_squares;
 
   std::uint32_t node = 0;    ///< that it has come to: all before is decided
   std::uint32_t splits = 0;  ///< before

@@ -121,7 +121,7 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
 /// split side by side.
 class FarthestPairTree::Builder {
  public:
-  Builder(const TriangleMesh& mesh, HugePageVector<BinaryNode>& nodes)
+  Builder(const TriangleMesh& mesh, HugePageVector<Node>& nodes)
       : nodes_(nodes),
         count_(mesh.triangleCount()),
         centroids_(columnsOf(2 * count_)),
@@ -144,7 +144,7 @@ class FarthestPairTree::Builder {
     tasks_.wait();
     std::vector<Leaf> leaf_of(count_);
     for (Leaf leaf = 0; leaf < count_; ++leaf) leaf_of[index(triangles_[leaf])] = leaf;
-    for (BinaryNode& node : nodes_) {
+    for (Node& node : nodes_) {
       for (Leaf& pole : node.poles) pole = leaf_of[pole];
     }
   }
@@ -216,7 +216,7 @@ class FarthestPairTree::Builder {
     const bool coincident = pair.squared_distance == 0.0;
     const std::size_t first = set.begin + pair.first;
     const std::size_t second = set.begin + (coincident ? set.size() / 2 : pair.second);
-    BinaryNode& node = nodes_[set.node];
+    Node& node = nodes_[set.node];
     node.poles = {static_cast<Leaf>(index(triangles_[first])),
                   static_cast<Leaf>(index(triangles_[second]))};
     node.first_size =
@@ -252,7 +252,7 @@ class FarthestPairTree::Builder {
     }
   }
 
-  HugePageVector<BinaryNode>& nodes_;
+  HugePageVector<Node>& nodes_;
   std::size_t count_;
   // In the leaves' order; then as much again, for those that are moved out of the way.
   Columns centroids_;
@@ -269,7 +269,7 @@ FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) : nodes_(mesh.trian
 }
 
 std::size_t FarthestPairTree::memory() const {
-  return nodes_.capacity() * sizeof(BinaryNode) + leaves_.capacity() * sizeof(TriangleId);
+  return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(TriangleId);
 }
 
 }  // namespace organ_collision::core

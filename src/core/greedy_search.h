@@ -11,7 +11,7 @@ namespace organ_collision::core {
 /// Where the paper's search leads: go to the child whose pole is nearer to `tip` [m], of equally
 /// near ones to the second, until one triangle is left. Only where the rounding of single precision
 /// could decide wrongly, the poles of the mesh are measured. O(depth). Source: Muñoz, Diaz León,
-/// Trefftz (2012), "search".
+/// Trefftz, Quid 19 (2012), algorithm 2.
 struct GreedyPath {
   FarthestPairTree::Leaf end;
   std::uint32_t splits;  ///< on the way

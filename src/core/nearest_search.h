@@ -96,9 +96,7 @@ class NearestSearch : protected Search {
       --leaves_left;
       ++triangles;
     }
-    if (leaves_left == 0) {
-      unopened = 0.0;
-    } else if (farthest < kBeyond) {
+    if (farthest < kBeyond) {
       walk();
     } else {
       measureAll();

@@ -42,8 +42,9 @@ constexpr double kSumRounding = 0x1p-46;
 /// longer: benchmark/update_figures tells both.
 constexpr int kLevels = 3;
 
-constexpr std::size_t kNodeGrain = 16;      // so many to be turned are worth a task
-constexpr std::size_t kPacketGrain = 32;    // so many are worth a task
+constexpr std::size_t kLeafGrain = 1024;    // so many are worth a task
+constexpr std::size_t kNodeGrain = 16;      // so many to be turned, too
+constexpr std::size_t kPacketGrain = 32;    // so many, too
 constexpr std::size_t kVertexGrain = 4096;  // so many, too
 constexpr std::size_t kTasks = 32;          // are enough; larger ones read memory in longer runs
 
@@ -78,14 +79,20 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
+/// On all cores; so many are worth a task.
+template <class Action>
+void forEach(std::size_t count, std::size_t grain, const Action& action) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& some) {
+    for (std::size_t i = some.begin(); i < some.end(); ++i) action(i);
+  });
+}
+
 Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame) {
-  constexpr std::uint32_t kGrain = 1024;  // leaves that are worth a task
   Points centroids(mesh.triangleCount());
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree.root().end, kGrain),
-                    [&](const auto& some) {
-                      for (std::uint32_t leaf = some.begin(); leaf < some.end(); ++leaf)
-                        centroids[leaf] = frame(centroid(mesh.triangle(tree.triangle(leaf))));
-                    });
+  forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
+    const TriangleId triangle = tree.triangle(static_cast<WideTree::Leaf>(leaf));
+    centroids[leaf] = frame(centroid(mesh.triangle(triangle)));
+  });
   return centroids;
 }
 
@@ -102,40 +109,32 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   nodes_.resize(layout.nodes.size());
   parents_.resize(nodes_.size());
   packets_.resize(layout.packets.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, packets_.size(), kPacketGrain),
-                    [&](const auto& some) {
-                      for (std::size_t number = some.begin(); number < some.end(); ++number) {
-                        const auto& [begin, end, parent] = layout.packets[number];
-                        packets_[number].first_leaf = begin;
-                        packets_[number].lane_count = end - begin;
-                        packets_[number].parent = parent;
-                        for (Leaf leaf = begin; leaf < end; ++leaf)
-                          listLeaf(tree, mesh, leaf,
-                                   static_cast<std::uint32_t>(number) * kLaneCount + leaf - begin);
-                      }
-                    });
+  forEach(packets_.size(), kPacketGrain, [&](std::size_t self) {
+    const auto& [begin, end, parent] = layout.packets[self];
+    packets_[self].first_leaf = begin;
+    packets_[self].lane_count = end - begin;
+    packets_[self].parent = parent;
+    const auto slot = static_cast<std::uint32_t>(self) * kLaneCount;
+    for (Leaf leaf = begin; leaf < end; ++leaf) listLeaf(tree, mesh, leaf, slot + leaf - begin);
+  });
   guide_.sets.resize(nodes_.size());
   guide_.nodes.resize(nodes_.size());
   guide_.packets.resize(packets_.size());
   poles_.resize(nodes_.size());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, nodes_.size(), kNodeGrain), [&](const auto& some) {
-        for (std::size_t self = some.begin(); self < some.end(); ++self) {
-          const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
-              layout.nodes[self];
-          Node& node = nodes_[self];
-          node.first_node = first_node;
-          node.first_packet = first_packet;
-          node.node_count = node_count;
-          node.lane_count = static_cast<std::uint8_t>(node_count + packet_count);
-          store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(),
-                node.axes);
-          parents_[self] = parent;
-          guide_.sets[self] = set;
-          poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
-                                                  guide_.nodes[self], guide_.packets.data()));
-        }
-      });
+  forEach(nodes_.size(), kNodeGrain, [&](std::size_t self) {
+    const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
+        layout.nodes[self];
+    Node& node = nodes_[self];
+    node.first_node = first_node;
+    node.first_packet = first_packet;
+    node.node_count = node_count;
+    node.lane_count = static_cast<std::uint8_t>(node_count + packet_count);
+    store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
+    parents_[self] = parent;
+    guide_.sets[self] = set;
+    poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
+                                            guide_.nodes[self], guide_.packets.data()));
+  });
   listParts();
   tallies_.resize(packets_.size());
   touched_.resize(nodes_.size() + packets_.size());

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "organ_collision/core/binary_node.h"
 #include "organ_collision/core/huge_pages.h"
 #include "organ_collision/core/triangle_mesh.h"
 
@@ -40,6 +39,7 @@ class FarthestPairTree {
   Set root() const { return {0, static_cast<Leaf>(leaves_.size()), 0}; }
   /// REQUIRES: not a leaf.
   std::array<Set, 2> children(const Set& set) const {
+    // A set of m leaves has m - 1 nodes; they follow its own, the first child's before the other's.
     const std::uint32_t first_size = nodes_[set.node].first_size;
     return {Set{set.begin, set.begin + first_size, set.node + 1},
             Set{set.begin + first_size, set.end, set.node + first_size}};
@@ -48,15 +48,18 @@ class FarthestPairTree {
   const std::array<Leaf, 2>& poles(const Set& set) const { return nodes_[set.node].poles; }
   TriangleId triangle(Leaf leaf) const { return leaves_[leaf]; }
 
-  const HugePageVector<BinaryNode>& nodes() const { return nodes_; }  ///< of the sets
-
   std::size_t depth() const { return depth_; }  ///< nodes on the longest path to a leaf
   std::size_t memory() const;                   ///< [bytes]
 
  private:
+  struct Node {
+    std::array<Leaf, 2> poles;
+    std::uint32_t first_size;  // leaves of the first child
+  };
+
   class Builder;
 
-  HugePageVector<BinaryNode> nodes_;
+  HugePageVector<Node> nodes_;
   std::vector<TriangleId> leaves_;
   std::size_t depth_ = 0;
 };

@@ -34,9 +34,10 @@ struct alignas(64) TrianglePacket {
 /// which is a packet's number * 8 + the lane of the set's first leaf.
 constexpr std::uint32_t kPacketBit = 0x80000000U;
 
-/// The splits of the hierarchy, up to seven, between a set and those below it, up to eight; all are
+/// Which of up to seven splits of the hierarchy lead to which of up to eight sets, so that all are
 /// decided at a time. A byte for each set tells the splits above it, by bits, and of these those
-/// where it goes with the first pole; of sets that are not in use, impossible ones.
+/// where it goes with the first pole; impossible ones where there is no set. A split comes before
+/// those of its children, and the first child's before the other's.
 struct SplitPaths {
   std::uint64_t above, firsts;
 };
@@ -55,8 +56,7 @@ struct alignas(64) NodeSplits {
 struct PacketSplits {
   LanePoints centroids;  ///< in the unit frame
   SplitPaths paths;
-  std::array<std::uint32_t, 2>
-      poles;  ///< the lanes of the first ones, of the second; three bits each
+  std::array<std::uint32_t, 2> poles;  ///< lanes of the first ones, of the others; three bits each
 };
 
 /// The poles of up to eight splits, as leaves or as slots: those that come first, and the others.

@@ -27,7 +27,8 @@ struct GreedyGuide {
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
 /// their boxes in the node's own orientation (seen from outside, a surface looks equidistant to
 /// boxes along the axes), and below them packets of up to eight triangles. All in single precision,
-/// relative to an origin close by; eight lanes are measured at a time.
+/// relative to an origin close by; eight lanes are measured at a time. Beside them, what leads the
+/// paper's search through the same nodes and packets.
 ///
 /// Invariants: every leaf of the hierarchy is in one lane of one packet; a lane's box holds what is
 /// below it, moved to the node's origin and turned into its orientation, in exact arithmetic;
