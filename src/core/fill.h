@@ -81,8 +81,7 @@ constexpr float kFlat = 0x1p-36F;
 
   const LaneVector<float> normal = cross(ab, ac);
   const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);
-  const Truth<float> in_use =
-      Lanes<float>::numbers() <= Lanes<float>::all(static_cast<float>(packet.lane_count) - 1.0F);
+  const Truth<float> in_use = lanesInUse<float>(packet);
   const Truth<float> may_be_flat = dot(normal, normal) <= Lanes<float>::all(kFlat) * squared_edges;
   const Lanes<float> none{};
   return {sumOf(select(in_use, dot(a, normal), none)), sumOf(select(in_use, squared_edges, none)),

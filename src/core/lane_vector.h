@@ -59,6 +59,11 @@ inline LaneVector<Real> everywhere(const Vector<Real>& v) {
   return {Lanes<Real>::all(v.x), Lanes<Real>::all(v.y), Lanes<Real>::all(v.z)};
 }
 
+template <class Real>
+inline Truth<Real> lanesInUse(const TrianglePacket& packet) {
+  return Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
+}
+
 /// Eight places that are anywhere in memory, at place(0), ... place(7).
 template <class Place>
 inline LaneVector<float> gather(const Place& place) {

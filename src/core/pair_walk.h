@@ -291,8 +291,7 @@ class PairWalk {
       promised_pair_ = {0.0F, leaf_of_first, second.first_leaf + lowestBit(those.bits())};
     }
     const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
-    const Truth<Real> used =
-        Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(second.lane_count) - 1);
+    const Truth<Real> used = lanesInUse<Real>(second);
     left_out_ = leastOfThose(used & !matter, bounds, left_out_);
     Real bound[kLaneCount];
     bounds.store(bound);

@@ -133,7 +133,7 @@ class Walk {
     if (nearest_lane < packet.lane_count) lanes[nearest_lane] = kFloatInfinity;
     const float tied = kept(static_cast<Real>(search_.best));
     const Lanes<float> bounds = Lanes<float>::load(lanes.data());
-    const Truth<float> within = bounds <= Lanes<float>::all(reach);
+    const Truth<float> within = lanesInUse<float>(packet) & (bounds <= Lanes<float>::all(reach));
     const Truth<float> surely_tied =
         Lanes<float>::all(drift_of_ties_) <= Lanes<float>::load(followed.tied_until[i].data());
     select(within & surely_tied, Lanes<float>::all(tied), bounds).store(lanes.data());
@@ -291,8 +291,7 @@ class Walk {
     Real rounding = 0;
     const Range<Real> range = rangeOf(packet, rounding);
     const Lanes<Real> bounds = range.low - Lanes<Real>::all(rounding);
-    const Truth<Real> used =
-        Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
+    const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
     if (search_.sparing) {
       allowed = chosen(packet, range.high + Lanes<Real>::all(rounding), rounding);

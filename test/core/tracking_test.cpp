@@ -143,6 +143,25 @@ TEST(Tracker, FollowsAroundAVertexThatSixTrianglesShare) {
   }
 }
 
+/// Of so many that touch the tip, not all are looked at.
+TEST(Tracker, FollowsATipThatLeavesAVertexThatHundredsOfTrianglesShare) {
+  constexpr std::uint32_t kTriangles = 301;
+  Points positions = {{0, 0, 0}};
+  std::vector<Corners> triangles;
+  for (std::uint32_t i = 0; i < kTriangles; ++i) {
+    const double angle = 2.0 * M_PI * i / kTriangles;
+    positions.emplace_back(std::cos(angle), std::sin(angle), -0.1);
+    triangles.push_back(test::corners(0, i + 1, (i + 1) % kTriangles + 1));
+  }
+  const CollisionMesh organ(TriangleMesh(positions, triangles));
+  Tracker tracker;
+  for (int step = 0; step < 20; ++step) {
+    const Eigen::Vector3d tip(0.0, 0.0, 1e-3 * step);
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, {}, tip), nearestTriangle(organ, tip)));
+  }
+}
+
 TEST(Tracker, ProvesTheSignWhenItIsAskedAgain) {
   std::mt19937 generator(35);
   CollisionMesh organ(test::blob(4));
