@@ -15,12 +15,12 @@ using Set = FarthestPairTree::Set;
 // sums of coordinates' magnitudes; r the tip's reach, at least 1; s the sum of the squares of the
 // poles' distances from the tip. In single precision centroids are off by d <= 9 * 2^-25 in each
 // coordinate (edges may be 2 long), the tip by 2^-25 * r. Of the difference of the squares that
-// makes 2*d*o + (2*d + 2^-24*r)*a. What is calculated adds, from the poles' plane,
+// makes 2*d*o + 2^-24*r*a. What is calculated adds, from the poles' plane,
 // 2^-24*o + (2^-21 + 2^-21*r)*a; from squares, 2^-21*s.
 
 /// Of r*a; of o it is kOffsetRounding (descend.h).
 constexpr double kApartRounding = 0x1p-19;
-/// From squares, with a <= o, o^2 <= 6*s and s <= 6*r^2, all is below 2^-18.8 * r * sqrt(s).
+/// From squares, with a <= o, o^2 <= 6*s and s <= 6*r^2, all is below 2^-18.5 * r * sqrt(s).
 /// Squared together with a further term it is below this times r^2*s, and four times that term's
 /// square.
 constexpr double kSquareRounding = 0x1p-36;

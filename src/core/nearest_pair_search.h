@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/greedy_search.h"
 #include "core/kernels.h"
 #include "core/nearest_search.h"
 #include "organ_collision/core/nearest_pair.h"

@@ -1,9 +1,11 @@
 #include "organ_collision/core/nearest_triangle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "core/greedy_search.h"
 #include "core/nearest_search.h"
 #include "organ_collision/core/sign.h"
 
