@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kNear = 0.05;
-constexpr double kLongestStep = 0.0006;
+constexpr double kStep = 0.0006;
 constexpr double kHighest = 0.02;
 constexpr double kTurn = 0.1;               // of the direction, from step to step
 constexpr double kStepsPerSwing = 2000.0;   // of the height above the surface
@@ -103,12 +103,11 @@ core::Points trajectory(const core::CollisionMesh& organ, std::size_t count, std
     const Vector3d outward = outwardAt(nearest);
     const double phase = 2.0 * M_PI * static_cast<double>(tips.size()) / kStepsPerSwing;
     const double height = 0.5 * kHighest * (1.0 + kSwing * std::sin(phase));
-    const double rise = (height - nearest.distance) / kLongestStep;
+    const double rise = (height - nearest.distance) / kStep;
     // Along the surface, whatever its shape: who only kept above the nearest point would stay where
     // that is a corner.
     direction = (direction - direction.dot(outward) * outward).normalized();
-    tip +=
-        kLongestStep * (direction + std::clamp(rise, -kSteepest, kSteepest) * outward).normalized();
+    tip += kStep * (direction + std::clamp(rise, -kSteepest, kSteepest) * outward).normalized();
     tips.push_back(tip);
     direction += kTurn * dice.inBox(-one, one);
   }

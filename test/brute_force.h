@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair_tree.h"

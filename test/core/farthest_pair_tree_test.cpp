@@ -7,9 +7,7 @@
 #include <random>
 #include <set>
 
-#include "brute_force.h"
 #include "every_vector_unit.h"
-#include "organ_collision/core/collision_mesh.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
 

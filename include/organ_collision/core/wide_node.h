@@ -30,8 +30,8 @@ struct alignas(64) TrianglePacket {
   std::uint32_t parent;  ///< node
 };
 
-/// A set that follows from a node or from a walk: the number of a node, or this bit and a slot,
-/// which is a packet's number * 8 + the lane of the set's first leaf.
+/// Tells the numbers of packets, and slots, from those of nodes. A slot is a packet's number * 8 +
+/// a lane.
 constexpr std::uint32_t kPacketBit = 0x80000000U;
 
 /// Which of up to seven splits of the hierarchy lead to which of up to eight sets, so that all are
@@ -48,7 +48,8 @@ struct alignas(64) NodeSplits {
   LaneFloats middle;            ///< apart . (first pole + second pole), in the unit frame
   std::array<float, 3> origin;  ///< one of the poles, there
   float radius;                 ///< what the poles' coordinates from there sum up to, the most
-  std::array<std::uint32_t, kLaneCount> sets;  ///< in the order of the leaves
+  /// In the order of the leaves: nodes, or kPacketBit and the slot of the first leaf.
+  std::array<std::uint32_t, kLaneCount> sets;
   SplitPaths paths;
 };
 
