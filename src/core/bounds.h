@@ -32,18 +32,15 @@ constexpr float kTiny = 0x1p-26F;
 /// Rounding a place to single precision moves it by less, as no coordinate is above 2.
 constexpr float kPlaceRounding = 0x1p-23F;
 
-/// Without a branch, which the sign of a coordinate would often mislead.
-inline float magnitudeOf(float x) { return __builtin_fabsf(x); }
-inline double magnitudeOf(double x) { return __builtin_fabs(x); }
-
 /// A corner of the tip, relative to an origin.
 template <class Real>
 inline Vector<Real> relative(const Vector<Real>& tip, const std::array<float, 3>& origin) {
   return {tip.x - Real{origin[0]}, tip.y - Real{origin[1]}, tip.z - Real{origin[2]}};
 }
 
-template <class Real>
-inline Real reachOf(const Vector<Real>& v) {
+/// The sum of the coordinates' magnitudes.
+template <class Number>
+inline Number reachOf(const Vector<Number>& v) {
   return magnitudeOf(v.x) + magnitudeOf(v.y) + magnitudeOf(v.z);
 }
 

@@ -1,13 +1,12 @@
 #include "core/collapse.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_for_each.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "core/for_each.h"
 #include "core/kernels.h"
 
 namespace organ_collision::core {
@@ -60,11 +59,8 @@ Collapse::Layout Collapse::layout() const {
   for (std::size_t level = 0; level < layout.nodes.size(); level += children.size()) {
     layout.levels.push_back(static_cast<std::uint32_t>(level));
     children.resize(layout.nodes.size() - level);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, children.size(), kGrain),
-                      [&](const auto& some) {
-                        for (std::size_t i = some.begin(); i < some.end(); ++i)
-                          children[i] = childrenOf(layout.nodes[level + i].set);
-                      });
+    forEach(children.size(), kGrain,
+            [&](std::size_t i) { children[i] = childrenOf(layout.nodes[level + i].set); });
     for (std::size_t i = 0; i < children.size(); ++i)
       layout.add(children[i], static_cast<std::uint32_t>(level + i));
   }

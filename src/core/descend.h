@@ -21,10 +21,6 @@ inline std::uint32_t firstZero(std::uint64_t bytes) {
   return static_cast<std::uint32_t>(__builtin_ctzll(zeros)) / 8;
 }
 
-inline Lanes<float> sumOfMagnitudes(const LaneVector<float>& v) {
-  return magnitude(v.x) + magnitude(v.y) + magnitude(v.z);
-}
-
 /// Which way splits lead, by bits, and whether that is sure.
 struct Signs {
   std::uint32_t firsts, sure;
@@ -55,8 +51,8 @@ inline Signs signsOf(const Descent& descent, const NodeSplits& node) {
   const float of_offset =
       kOffsetRounding * 2 * (reachOf(relative(tip, node.origin)) + node.radius) + descent.least;
   const Lanes<float> rounding =
-      Lanes<float>::all(descent.of_apart) * sumOfMagnitudes(apart) + Lanes<float>::all(of_offset);
-  return {signsOf(sides), (rounding <= magnitude(sides)).bits()};
+      Lanes<float>::all(descent.of_apart) * reachOf(apart) + Lanes<float>::all(of_offset);
+  return {signsOf(sides), (rounding <= magnitudeOf(sides)).bits()};
 }
 
 /// From the squares.
@@ -123,8 +119,8 @@ inline void placeSplits(const PacketSplits* packets, const Poles* poles, std::si
     store(apart, nodes[i].apart);
     dot(apart, first + second).store(nodes[i].middle.data());
     nodes[i].origin = {origin.x, origin.y, origin.z};
-    nodes[i].radius = mostOf(larger(sumOfMagnitudes(first - everywhere(origin)),
-                                    sumOfMagnitudes(second - everywhere(origin))));
+    nodes[i].radius =
+        mostOf(larger(reachOf(first - everywhere(origin)), reachOf(second - everywhere(origin))));
   }
 }
 

@@ -42,12 +42,7 @@ struct Turn {
   [[gnu::always_inline]] LaneVector<float> operator()(const LaneVector<float>& v) const {
     return {dot(everywhere(x), v), dot(everywhere(y), v), dot(everywhere(z), v)};
   }
-  Turn magnitudes() const {
-    const auto magnitude = [](const Vector<float>& v) {
-      return Vector<float>{magnitudeOf(v.x), magnitudeOf(v.y), magnitudeOf(v.z)};
-    };
-    return {magnitude(x), magnitude(y), magnitude(z)};
-  }
+  Turn magnitudes() const { return {magnitudesOf(x), magnitudesOf(y), magnitudesOf(z)}; }
 };
 
 inline Turn turnOf(const WideNode& node) {

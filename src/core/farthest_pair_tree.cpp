@@ -1,7 +1,5 @@
 #include "organ_collision/core/farthest_pair_tree.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_group.h>
 
@@ -13,6 +11,7 @@
 #include <tuple>
 
 #include "core/few_points.h"
+#include "core/for_each.h"
 #include "core/kernels.h"
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
@@ -51,15 +50,11 @@ Columns columnsOf(std::size_t size) {
 
 Columns centroidsOf(const TriangleMesh& mesh) {
   Columns centroids = columnsOf(mesh.triangleCount());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), kTrianglesPerTask),
-                    [&](const auto& some) {
-                      for (std::size_t i = some.begin(); i < some.end(); ++i) {
-                        const Eigen::Vector3d at =
-                            centroid(mesh.triangle(static_cast<TriangleId>(i)));
-                        for (std::size_t axis = 0; axis < 3; ++axis)
-                          centroids[axis][i] = at[static_cast<Eigen::Index>(axis)];
-                      }
-                    });
+  forEach(mesh.triangleCount(), kTrianglesPerTask, [&](std::size_t i) {
+    const Eigen::Vector3d at = centroid(mesh.triangle(static_cast<TriangleId>(i)));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      centroids[axis][i] = at[static_cast<Eigen::Index>(axis)];
+  });
   return centroids;
 }
 
@@ -90,11 +85,8 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
     return std::min(static_cast<std::size_t>(part * static_cast<double>(count)), count - 1);
   };
   std::vector<std::uint32_t> slices(count);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kTrianglesPerTask),
-                    [&](const auto& some) {
-                      for (std::size_t i = some.begin(); i < some.end(); ++i)
-                        slices[i] = static_cast<std::uint32_t>(slice_of(i));
-                    });
+  forEach(count, kTrianglesPerTask,
+          [&](std::size_t i) { slices[i] = static_cast<std::uint32_t>(slice_of(i)); });
   std::vector<std::uint32_t> ends(count + 1, 0);  // of the slices; until all are dealt, their next
   for (const std::uint32_t slice : slices) ++ends[slice + 1];
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
@@ -103,15 +95,12 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
   const auto at = [&](std::size_t place) {
     return triangles.begin() + static_cast<std::ptrdiff_t>(place);
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kTrianglesPerTask),
-                    [&](const auto& some) {
-                      for (std::size_t slice = some.begin(); slice < some.end(); ++slice) {
-                        tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
-                                           [&](TriangleId first, TriangleId second) {
-                                             return comesFirst(mesh, centroids, first, second);
-                                           });
-                      }
-                    });
+  forEach(count, kTrianglesPerTask, [&](std::size_t slice) {
+    tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
+                       [&](TriangleId first, TriangleId second) {
+                         return comesFirst(mesh, centroids, first, second);
+                       });
+  });
   return triangles;
 }
 
@@ -128,14 +117,11 @@ class FarthestPairTree::Builder {
         triangles_(2 * count_) {
     const Columns centroids = centroidsOf(mesh);
     const std::vector<TriangleId> ordered = orderedTriangles(mesh, centroids);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count_, kTrianglesPerTask),
-                      [&](const auto& some) {
-                        for (std::size_t i = some.begin(); i < some.end(); ++i) {
-                          triangles_[i] = ordered[i];
-                          for (std::size_t axis = 0; axis < 3; ++axis)
-                            centroids_[axis][i] = centroids[axis][index(ordered[i])];
-                        }
-                      });
+    forEach(count_, kTrianglesPerTask, [&](std::size_t i) {
+      triangles_[i] = ordered[i];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        centroids_[axis][i] = centroids[axis][index(ordered[i])];
+    });
   }
 
   void run() {

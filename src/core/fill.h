@@ -44,15 +44,15 @@ inline LaneVector<float> cornerOf(const PlainMesh& mesh, const TrianglePacket& p
   });
 }
 
-/// The largest coordinate.
-inline Lanes<float> reachOf(const LaneVector<float>& v) {
-  return larger(larger(magnitude(v.x), magnitude(v.y)), magnitude(v.z));
+/// The largest magnitude of a coordinate.
+inline Lanes<float> largestCoordinate(const LaneVector<float>& v) {
+  return larger(larger(magnitudeOf(v.x), magnitudeOf(v.y)), magnitudeOf(v.z));
 }
 
-/// Of the ball around all points whose places reach so far. A root would take longer.
-inline float radiusAround(const Lanes<float>& reaches) {
+/// Of the ball around all points whose coordinates are not larger. A root would take longer.
+inline float radiusAround(const Lanes<float>& largest) {
   constexpr float kDiagonal = 1.7321F;  // of a cube, rounded up
-  return kDiagonal * mostOf(reaches) + kPlaceRounding;
+  return kDiagonal * mostOf(largest) + kPlaceRounding;
 }
 
 /// What rounding makes of the square of a flat triangle's normal: this part of that of two edges.
@@ -77,7 +77,8 @@ constexpr float kFlat = 0x1p-36F;
   store(ac, packet.edge2);
 
   packet.radius =
-      radiusAround(larger(larger(reachOf(corner), reachOf(b - origin)), reachOf(c - origin)));
+      radiusAround(larger(larger(largestCoordinate(corner), largestCoordinate(b - origin)),
+                          largestCoordinate(c - origin)));
 
   const LaneVector<float> normal = cross(ab, ac);
   const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);

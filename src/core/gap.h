@@ -53,9 +53,7 @@ inline Lanes<Real> gapAlong(const LaneVector<Real>& direction, const LaneVector<
                             const LaneVector<Real>& step, const LaneVector<Real>& middle,
                             const LaneVector<Real>& half) {
   const Lanes<Real> nearer_end = smaller(dot(direction, step), Lanes<Real>{});
-  const LaneVector<Real> steepness = {magnitude(direction.x), magnitude(direction.y),
-                                      magnitude(direction.z)};
-  return dot(direction, start - middle) + nearer_end - dot(steepness, half);
+  return dot(direction, start - middle) + nearer_end - dot(magnitudesOf(direction), half);
 }
 
 /// A lower bound of the distances between a segment and the lanes' boxes.

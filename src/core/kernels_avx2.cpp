@@ -1,30 +1,7 @@
-#include "core/box_of_points.h"
-#include "core/descend.h"
-#include "core/enclose.h"
-#include "core/far_points.h"
-#include "core/fill.h"
-#include "core/kernels.h"
-#include "core/pair_walk.h"
-#include "core/search_walk.h"
-#include "core/weigh.h"
+#include "core/unit_kernels.h"
 
 namespace organ_collision::core {
 
-const Kernels kAvx2Kernels = {walk,
-                              follow,
-                              descend,
-                              walkPairs,
-                              followPairs,
-                              boxOf,
-                              place,
-                              fill,
-                              placeSplits,
-                              enclose,
-                              weigh,
-                              farthestFrom,
-                              farthestOfAllPairs,
-                              listByPower,
-                              listFarFrom,
-                              separate};
+const Kernels kAvx2Kernels = kUnitKernels;
 
 }  // namespace organ_collision::core

@@ -65,9 +65,7 @@ struct Placement {
     const LaneVector<Real> middle = (*this)(half * (boxes.low + boxes.high));
     const LaneVector<Real> size = half * (boxes.high - boxes.low);
     const auto reach = [&size](const Vector<Real>& row) {
-      return dot(
-          everywhere(Vector<Real>{magnitudeOf(row.x), magnitudeOf(row.y), magnitudeOf(row.z)}),
-          size);
+      return dot(everywhere(magnitudesOf(row)), size);
     };
     const LaneVector<Real> reaches = {reach(rows[0]), reach(rows[1]), reach(rows[2])};
     return {middle - reaches, middle + reaches};

@@ -35,6 +35,11 @@ inline Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+template <class T>
+inline Vector<T> magnitudesOf(const Vector<T>& v) {
+  return {magnitudeOf(v.x), magnitudeOf(v.y), magnitudeOf(v.z)};
+}
+
 template <class Real, class Stored>
 inline Vector<Real> vectorOf(const std::array<Stored, 3>& v) {
   return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};

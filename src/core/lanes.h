@@ -40,6 +40,9 @@ struct Part<double> {
 
 inline float rootOf(float x) { return __builtin_sqrtf(x); }
 inline double rootOf(double x) { return __builtin_sqrt(x); }
+/// Without a branch, which the sign of a coordinate would often mislead.
+inline float magnitudeOf(float x) { return __builtin_fabsf(x); }
+inline double magnitudeOf(double x) { return __builtin_fabs(x); }
 
 /// The bits of a comparison, one a lane.
 template <class Truths>
@@ -201,7 +204,7 @@ inline Lanes<Real> root(const Lanes<Real>& a) {
   return result;
 }
 template <class Real>
-inline Lanes<Real> magnitude(const Lanes<Real>& a) {
+inline Lanes<Real> magnitudeOf(const Lanes<Real>& a) {
   using Numbers = typename Lanes<Real>::Numbers;
   using Bits = typename Part<Real>::Truths;
   const Bits sign = reinterpret_cast<Bits>(-Numbers{});

@@ -45,6 +45,23 @@ class TriangleTip {
   Eigen::Vector3d centroid_;
 };
 
+/// The triangle of a leaf, with neither normal nor sign. All others are farther than `of_rest` [m],
+/// or as far.
+inline NearestTriangle unsignedAnswer(const CollisionMesh& organ, FarthestPairTree::Leaf leaf,
+                                      const ClosestPair& pair, double of_rest,
+                                      const SearchWork& work) {
+  const double distance = std::sqrt(pair.on_second.squared_distance);
+  return {organ.tree().triangle(leaf),
+          pair.on_second,
+          pair.point_on_first,
+          Eigen::Vector3d::Zero(),
+          distance,
+          std::min(distance, of_rest),
+          distance,
+          false,
+          work};
+}
+
 /// Room for what waits while a tree of that depth is searched; the calling thread's.
 WaitingLanes* scratch(std::size_t depth);
 
@@ -173,16 +190,8 @@ class NearestSearch : protected Search {
   }
 
   NearestTriangle answer() const {
-    const double distance = std::sqrt(squared_best_);
-    return {organ_.tree().triangle(best_leaf),
-            pair_.on_second,
-            pair_.point_on_first,
-            Eigen::Vector3d::Zero(),
-            distance,
-            unopened < best ? std::min(distance, lowerBound()) : distance,
-            distance,
-            false,
-            {bounds, triangles}};
+    const double of_rest = unopened < best ? lowerBound() : std::numeric_limits<double>::infinity();
+    return unsignedAnswer(organ_, best_leaf, pair_, of_rest, {bounds, triangles});
   }
 
   /// [m] Of all triangles.

@@ -54,17 +54,8 @@ template <class Tip>
 NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip) {
   const auto [leaf, splits] = greedySearch(organ, tip.routingPoint());
   const ClosestPair pair = tip.measure(organ.mesh().triangle(organ.wideTree().corners()[leaf]));
-  const double distance = std::sqrt(pair.on_second.squared_distance);
   const double to_box = std::sqrt(tip.squaredDistanceTo(organ.health().box));
-  return {organ.tree().triangle(leaf),
-          pair.on_second,
-          pair.point_on_first,
-          Eigen::Vector3d::Zero(),
-          distance,
-          std::min(distance, to_box),
-          distance,
-          false,
-          {splits, 1}};
+  return unsignedAnswer(organ, leaf, pair, to_box, {splits, 1});
 }
 
 template <class Tip>

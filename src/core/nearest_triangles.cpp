@@ -1,10 +1,9 @@
 #include "organ_collision/core/nearest_triangles.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstdint>
+
+#include "core/for_each.h"
 
 namespace organ_collision::core {
 namespace {
@@ -50,13 +49,10 @@ std::vector<NearestTriangle> nearestTriangles(const CollisionMesh& organ, const 
   std::sort(order.begin(), order.end(),
             [](const Place& a, const Place& b) { return a.on_curve < b.on_curve; });
   std::vector<NearestTriangle> nearest(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kTask),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        const std::uint32_t point = order[i].point;
-                        nearest[point] = nearestTriangle(organ, points[point], accuracy);
-                      }
-                    });
+  forEach(points.size(), kTask, [&](std::size_t i) {
+    const std::uint32_t point = order[i].point;
+    nearest[point] = nearestTriangle(organ, points[point], accuracy);
+  });
   return nearest;
 }
 

@@ -72,7 +72,7 @@ inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Re
   const Lanes<Real> t = abac * aab - abab * aac;
   const Lanes<Real> none{};
   const Lanes<Real> least_weight = smaller(smaller(s, t), squared_normal - (s + t));
-  const Lanes<Real> height = magnitude(dot(a, normal));
+  const Lanes<Real> height = magnitudeOf(dot(a, normal));
   const Lanes<Real> length = root(squared_normal);
   const Lanes<Real> height_doubt = doubt * reach;
   const Lanes<Real> to_plane = larger((height - height_doubt) / (length + doubt), none);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/collapse.h"
+#include "core/for_each.h"
 #include "core/kernels.h"
 #include "core/node_splits.h"
 #include "organ_collision/core/predicates.h"
@@ -77,14 +78,6 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
       products.z(), squares.y(), products.x(),            //
       products.y(), products.x(), squares.z();
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
-}
-
-/// On all cores; so many are worth a task.
-template <class Action>
-void forEach(std::size_t count, std::size_t grain, const Action& action) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& some) {
-    for (std::size_t i = some.begin(); i < some.end(); ++i) action(i);
-  });
 }
 
 Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame) {

@@ -61,7 +61,7 @@ TYPED_TEST(LanesOf, AreCalculatedOneByOne) {
     EXPECT_EQ((x * y)[i], a * b);
     EXPECT_EQ((y / x)[i], b / a);
     EXPECT_EQ(root(y)[i], std::sqrt(b));
-    EXPECT_EQ(magnitude(x)[i], std::abs(a));
+    EXPECT_EQ(magnitudeOf(x)[i], std::abs(a));
     EXPECT_EQ(larger(x, y)[i], std::max(a, b));
     EXPECT_EQ(smaller(x, y)[i], std::min(a, b));
   }
