@@ -43,7 +43,7 @@ struct Figure {
   std::size_t columns = 1;
   double plot_width = 440.0;   ///< [px]
   double plot_height = 320.0;  ///< [px]
-  bool common_axes = false;    ///< all plots have the same scales
+  bool common_axes = false;    ///< all plots have the same scales, logarithmic in all or in none
 };
 
 /// Colours that people who are colour-blind can tell apart.
