@@ -18,7 +18,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-Collapse::Collapse(const FarthestPairTree& tree, const Points& centroids)
+Collapse::Collapse(const FarthestPairTree& tree, const Centroids& centroids)
     : tree_(tree), weighed_(centroids.size() - 1) {
   std::vector<Set> above;
   std::vector<Set> tasks;
@@ -48,7 +48,7 @@ std::vector<Collapse::Set> Collapse::nodesOf(const Set& top) const {
 }
 
 /// REQUIRES: parents come first.
-void Collapse::weighUpwards(const std::vector<Set>& sets, const Points& centroids) {
+void Collapse::weighUpwards(const std::vector<Set>& sets, const Centroids& centroids) {
   for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
 }
 
@@ -160,7 +160,7 @@ std::uint32_t Collapse::lanesOfFirst(const Set& set, std::uint32_t lanes) const 
   return best;
 }
 
-void Collapse::weigh(const Set& set, const Points& centroids) {
+void Collapse::weigh(const Set& set, const Centroids& centroids) {
   auto& [costs, weight] = weighed_[set.node];
   const auto [a, b] = tree_.poles(set);
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;

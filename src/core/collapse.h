@@ -1,12 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
 #include "organ_collision/core/huge_pages.h"
-#include "organ_collision/core/triangle_mesh.h"
 #include "organ_collision/core/wide_node.h"
 
 namespace organ_collision::core {
@@ -20,12 +20,13 @@ class Collapse {
  public:
   using Leaf = FarthestPairTree::Leaf;
   using Set = FarthestPairTree::Set;
+  using Centroids = HugePageVector<Eigen::Vector3d>;
 
   static constexpr float kPacketCost = 1.3F;      ///< times a node's
   static constexpr double kUsualDistance = 0.05;  ///< of tips, in the unit frame
 
   /// `centroids` of the leaves, in the unit frame. O(n), on all cores.
-  Collapse(const FarthestPairTree& tree, const Points& centroids);
+  Collapse(const FarthestPairTree& tree, const Centroids& centroids);
 
   struct Node {
     Set set;
@@ -69,8 +70,8 @@ class Collapse {
   std::uint32_t lanesUsed(const Set& set, std::uint32_t lanes) const;
   std::uint32_t lanesOfFirst(const Set& set, std::uint32_t lanes) const;
   std::vector<Set> nodesOf(const Set& top) const;
-  void weighUpwards(const std::vector<Set>& sets, const Points& centroids);
-  void weigh(const Set& set, const Points& centroids);
+  void weighUpwards(const std::vector<Set>& sets, const Centroids& centroids);
+  void weigh(const Set& set, const Centroids& centroids);
 
   const FarthestPairTree& tree_;
   HugePageVector<Weighed> weighed_;  // by node of the hierarchy

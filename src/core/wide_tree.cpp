@@ -84,8 +84,9 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
-Points centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame) {
-  Points centroids(mesh.triangleCount());
+Collapse::Centroids centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh,
+                                const UnitFrame& frame) {
+  Collapse::Centroids centroids(mesh.triangleCount());
   forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
     const TriangleId triangle = tree.triangle(static_cast<WideTree::Leaf>(leaf));
     centroids[leaf] = frame(centroid(mesh.triangle(triangle)));
@@ -100,7 +101,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
       vertices_(mesh.positions().size()),
       corners_(mesh.triangleCount()),
       slots_(mesh.triangleCount()) {
-  const Points centroids = centroidsOf(tree, mesh, frame);
+  const Collapse::Centroids centroids = centroidsOf(tree, mesh, frame);
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
   nodes_.resize(layout.nodes.size());

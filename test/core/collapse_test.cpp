@@ -18,8 +18,8 @@ namespace {
 
 using Set = FarthestPairTree::Set;
 
-Points centroidsOf(const CollisionMesh& organ) {
-  Points centroids;
+Collapse::Centroids centroidsOf(const CollisionMesh& organ) {
+  Collapse::Centroids centroids;
   for (FarthestPairTree::Leaf leaf = 0; leaf < organ.tree().root().size(); ++leaf)
     centroids.push_back(
         organ.wideTree().frame()(centroid(organ.mesh().triangle(organ.tree().triangle(leaf)))));
@@ -76,7 +76,7 @@ class Costs {
   }
 
   const FarthestPairTree& tree_;
-  Points centroids_;
+  Collapse::Centroids centroids_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> known_;
 };
 
