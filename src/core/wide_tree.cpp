@@ -69,7 +69,8 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   const std::size_t step = 1 + count / kAxesPoints;
   Vector3d mean = Vector3d::Zero();
   for (std::size_t i = 0; i < count; i += step) mean += points[i];
-  mean /= static_cast<double>((count + step - 1) / step);
+  const std::size_t added = (count + step - 1) / step;
+  mean /= static_cast<double>(added);
   Vector3d squares = Vector3d::Zero();
   Vector3d products = Vector3d::Zero();  // y*z, z*x, x*y
   for (std::size_t i = 0; i < count; i += step) {
