@@ -43,6 +43,7 @@ constexpr double kSumRounding = 0x1p-46;
 /// longer: benchmark/update_figures tells both.
 constexpr int kLevels = 3;
 
+/// Of a node's centroids, at most so many are asked for its axes.
 constexpr std::size_t kAxesPoints = 256;
 
 constexpr std::size_t kLeafGrain = 1024;    // so many are worth a task
@@ -63,8 +64,8 @@ Eigen::Map<const Vector3f> vector(const std::array<float, 3>& values) {
   return Eigen::Map<const Vector3f>(values.data());
 }
 
-/// The principal axes of points, in rows; of many, every so many-th tells them as well. Sums in the
-/// points' order, whatever their alignment.
+/// The principal axes of points, in rows; of many, those of every so many-th. Sums in the points'
+/// order, whatever their alignment.
 Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   const std::size_t step = 1 + count / kAxesPoints;
   Vector3d mean = Vector3d::Zero();

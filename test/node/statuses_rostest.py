@@ -109,7 +109,8 @@ class Statuses(unittest.TestCase):
             near.forget()
             since = rospy.Time.now()
             with KeepMoving(self.frames, ("liver", "moving_tip", self.above(height))):
-                contact = near.contact("moving", lambda contact: contact.stamp >= since and not is_stale(contact))
+                contact = near.contact(
+                    "moving", lambda contact: contact.stamp >= since and contact.age.to_sec() <= STALE_AFTER)
             if height < MAX_DISTANCE:
                 self.assertEqual(contact.status, Contact.OK)
                 self.assertAlmostEqual(contact.nearest.distance, height, delta=1e-12)
