@@ -13,6 +13,8 @@ import roslib.packages
 import rospkg
 import rospy
 import yaml
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
 from rostest_support import PATIENCE, run, wait_until
 
 from organ_collision.msg import MeshInfoArray
@@ -236,6 +238,23 @@ class Starts(unittest.TestCase):
         for name, described in scenes.items():
             self.assertEqual(self.check_that_it_runs(name, described),
                              [each["name"] for each in described["organs"]])
+
+    def test_rviz_shows_the_frame_of_the_scene(self):
+        package = rospkg.RosPack().get_path("organ_collision")
+        for file in ("launch/demo.launch", "launch/crtk.launch", "examples/abdomen.launch", "examples/paper.launch",
+                     "examples/two_instruments.launch"):
+            with self.subTest(file):
+                launched = ROSLaunchConfig()
+                XmlLoader().load(os.path.join(package, file), launched, argv=["rviz:=true"], verbose=False)
+                organs = launched.params["/organ_collision/scene/organs"].value
+                frame = launched.params.get("/organ_collision/scene/frame")
+                rviz, = (node for node in launched.nodes if node.type == "rviz")
+                options = rviz.args.split()
+                with open(options[options.index("-d") + 1]) as text:
+                    shown = yaml.safe_load(text)["Visualization Manager"]["Global Options"]["Fixed Frame"]
+                if "-f" in options:
+                    shown = options[options.index("-f") + 1]
+                self.assertEqual(shown, frame.value if frame else organs[0]["frame"])
 
 
 if __name__ == "__main__":
