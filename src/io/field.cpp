@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <variant>
 
+#include "organ_collision/core/triangle_mesh.h"
+
 namespace organ_collision::io {
 namespace {
 
@@ -31,6 +33,21 @@ std::string joined(const std::vector<std::string_view>& names) {
   std::string text;
   for (const std::string_view name : names) text.append(text.empty() ? "" : ", ").append(name);
   return text;
+}
+
+template <typename Kind>
+const Kind& Field::as(const std::string& wanted) const {
+  const Kind* const kind = std::get_if<Kind>(value_);
+  if (kind == nullptr) refuseFor(wanted);
+  return *kind;
+}
+
+template <typename IsWanted>
+double Field::number(const std::string& wanted, const IsWanted& is_wanted) const {
+  const int* const integer = std::get_if<int>(value_);
+  const double number = integer != nullptr ? *integer : as<double>(wanted);
+  if (!is_wanted(number)) refuseFor(wanted);
+  return number;
 }
 
 std::optional<Field> Field::find(const std::string& key) const {
@@ -90,8 +107,14 @@ std::uint32_t Field::count() const {
   return static_cast<std::uint32_t>(count);
 }
 
-double Field::finite() const {
-  return number("a finite number", [](double number) { return std::isfinite(number); });
+double Field::coordinate() const {
+  return number("a finite number of a magnitude below " + Shown()(core::kLargestCoordinate),
+                [](double number) { return std::abs(number) < core::kLargestCoordinate; });
+}
+
+double Field::length() const {
+  return number("a number above 0 and below " + Shown()(core::kLargestCoordinate),
+                [](double number) { return number > 0.0 && number < core::kLargestCoordinate; });
 }
 
 double Field::aboveZero() const {
@@ -99,27 +122,13 @@ double Field::aboveZero() const {
                 [](double number) { return std::isfinite(number) && number > 0.0; });
 }
 
-double Field::notNegative() const {
-  return number("a finite number, 0 or above",
-                [](double number) { return std::isfinite(number) && number >= 0.0; });
+double Field::upTo(double most) const {
+  return number("a number from 0 to " + Shown()(most),
+                [most](double number) { return number >= 0.0 && number <= most; });
 }
 
 void Field::refuse(const std::string& why) const {
   throw std::invalid_argument(path_ + ": " + why);
-}
-
-template <typename Kind>
-const Kind& Field::as(const char* wanted) const {
-  const Kind* const kind = std::get_if<Kind>(value_);
-  if (kind == nullptr) refuseFor(wanted);
-  return *kind;
-}
-
-double Field::number(const char* wanted, bool (*is_wanted)(double)) const {
-  const int* const integer = std::get_if<int>(value_);
-  const double number = integer != nullptr ? *integer : as<double>(wanted);
-  if (!is_wanted(number)) refuseFor(wanted);
-  return number;
 }
 
 void Field::refuseFor(const std::string& wanted) const {

@@ -28,16 +28,18 @@ class Field {
   std::string frame() const;  ///< a text that tf takes for a frame
   bool yesOrNo() const;
   std::uint32_t count() const;
-  double finite() const;
-  double aboveZero() const;    ///< finite
-  double notNegative() const;  ///< finite
+  double coordinate() const;       ///< of a magnitude below core::kLargestCoordinate
+  double length() const;           ///< above 0, below core::kLargestCoordinate
+  double aboveZero() const;        ///< finite
+  double upTo(double most) const;  ///< from 0
 
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
   template <typename Kind>
-  const Kind& as(const char* wanted) const;
-  double number(const char* wanted, bool (*is_wanted)(double)) const;
+  const Kind& as(const std::string& wanted) const;
+  template <typename IsWanted>
+  double number(const std::string& wanted, const IsWanted& is_wanted) const;
   [[noreturn]] void refuseFor(const std::string& wanted) const;
 
   const Value* value_;

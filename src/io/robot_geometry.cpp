@@ -40,12 +40,6 @@ const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string
   refuseLink(name, "there is none of this name; there are: " + known);
 }
 
-const urdf::Link& linkWithCollision(const urdf::ModelInterface& robot, const std::string& name) {
-  const urdf::Link& link = linkNamed(robot, name);
-  if (link.collision_array.empty()) refuseLink(name, "it has no <collision> that can be read");
-  return link;
-}
-
 const urdf::Collision& onlyCollision(const urdf::Link& link) {
   if (link.collision_array.size() == 1) return *link.collision_array.front();
   refuseLink(link.name, "it has " + std::to_string(link.collision_array.size()) +
@@ -128,30 +122,35 @@ std::size_t collisionCount(const std::string& robot_description, const std::stri
   return count;
 }
 
-urdf::ModelInterfaceSharedPtr parse(const std::string& robot_description, const std::string& link) {
-  urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
-  if (!robot) refuseLink(link, "the description cannot be read as URDF");
-  return robot;
+/// The link, every <collision> of which could be read: one or more.
+std::shared_ptr<const urdf::Link> readLink(const std::string& robot_description,
+                                           const std::string& name) {
+  const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
+  if (!robot) refuseLink(name, "the description cannot be read as URDF");
+  const urdf::Link& link = linkNamed(*robot, name);
+  const std::size_t count = link.collision_array.size();
+  if (count == 0) refuseLink(name, "it has no <collision> that can be read");
+  const std::size_t wanted = collisionCount(robot_description, name);
+  if (count != wanted) {
+    refuseLink(name, "only " + std::to_string(count) + " of its " + std::to_string(wanted) +
+                         " <collision> can be read");
+  }
+  return {robot, &link};  // which the robot owns
 }
 
 }  // namespace
 
 std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link) {
-  const urdf::ModelInterfaceSharedPtr robot = parse(robot_description, link);
+  const auto read = readLink(robot_description, link);
   std::vector<LinkPiece> pieces;
-  for (const urdf::CollisionSharedPtr& collision : linkWithCollision(*robot, link).collision_array)
+  for (const urdf::CollisionSharedPtr& collision : read->collision_array)
     pieces.push_back(piece(link, *collision));
-  const std::size_t wanted = collisionCount(robot_description, link);
-  if (pieces.size() != wanted) {
-    refuseLink(link, "only " + std::to_string(pieces.size()) + " of its " + std::to_string(wanted) +
-                         " <collision> can be read");
-  }
   return pieces;
 }
 
 LinkMesh linkMesh(const std::string& robot_description, const std::string& link) {
-  const urdf::ModelInterfaceSharedPtr robot = parse(robot_description, link);
-  const urdf::Collision& collision = onlyCollision(linkWithCollision(*robot, link));
+  const auto read = readLink(robot_description, link);
+  const urdf::Collision& collision = onlyCollision(*read);
   const urdf::Mesh& file = mesh(link, collision);
   return {file.filename, scale(link, file), origin(link, collision)};
 }

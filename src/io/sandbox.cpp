@@ -151,7 +151,8 @@ bool waitForBytes(int pipe, Clock::time_point deadline) {
     pollfd waited{pipe, POLLIN, 0};
     const int ready = ::poll(&waited, 1, static_cast<int>(std::clamp<long>(left, 0, 60'000)));
     if (ready > 0) return true;
-    if (ready < 0 && errno != EINTR) return false;
+    if (ready < 0 && errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), "poll");
     if (Clock::now() >= deadline) return false;
   }
 }

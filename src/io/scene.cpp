@@ -43,7 +43,7 @@ Organ parseOrgan(const Field& field) {
 
 Eigen::Vector3d parsePoint(const Field& field) {
   const std::vector<Field> coordinates = field.items(3);
-  return {coordinates[0].finite(), coordinates[1].finite(), coordinates[2].finite()};
+  return {coordinates[0].coordinate(), coordinates[1].coordinate(), coordinates[2].coordinate()};
 }
 
 core::Triangle parseCorners(const Field& field) {
@@ -51,23 +51,29 @@ core::Triangle parseCorners(const Field& field) {
   return {parsePoint(corners[0]), parsePoint(corners[1]), parsePoint(corners[2])};
 }
 
-core::Shape parsePointShape(const Field& /*instrument*/) { return Eigen::Vector3d(0.0, 0.0, 0.0); }
-
-core::Shape parseTriangle(const Field& instrument) {
-  return parseCorners(instrument.at("corners"));
-}
-
-core::Shape parseSphere(const Field& instrument) {
-  return core::Sphere{{0.0, 0.0, 0.0}, instrument.at("radius").aboveZero()};
-}
-
-core::Shape parseCapsule(const Field& instrument) {
-  const std::vector<Field> ends = instrument.at("ends").items(2);
-  return core::Capsule{parsePoint(ends[0]), parsePoint(ends[1]),
-                       instrument.at("radius").aboveZero()};
-}
-
 using Geometry = decltype(Instrument::geometry);
+
+Geometry parsePointShape(const Field& /*instrument*/) {
+  return core::Shape(Eigen::Vector3d(0.0, 0.0, 0.0));
+}
+
+Geometry parseTriangle(const Field& instrument) {
+  return core::Shape(parseCorners(instrument.at("corners")));
+}
+
+Geometry parseSphere(const Field& instrument) {
+  return core::Shape(core::Sphere{{0.0, 0.0, 0.0}, instrument.at("radius").length()});
+}
+
+Geometry parseCapsule(const Field& instrument) {
+  const std::vector<Field> ends = instrument.at("ends").items(2);
+  return core::Shape(
+      core::Capsule{parsePoint(ends[0]), parsePoint(ends[1]), instrument.at("radius").length()});
+}
+
+Geometry parseMesh(const Field& instrument) { return parseMeshFile(instrument); }
+
+Geometry parseLink(const Field& instrument) { return RobotLink{instrument.at("link").text()}; }
 
 /// A kind of geometry, and the keys that it has and others may not.
 struct Kind {
@@ -77,21 +83,12 @@ struct Kind {
 };
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> kKinds = {
-      {"point", {}, [](const Field& field) -> Geometry { return parsePointShape(field); }},
-      {"triangle",
-       {"corners"},
-       [](const Field& field) -> Geometry { return parseTriangle(field); }},
-      {"sphere", {"radius"}, [](const Field& field) -> Geometry { return parseSphere(field); }},
-      {"capsule",
-       {"ends", "radius"},
-       [](const Field& field) -> Geometry { return parseCapsule(field); }},
-      {"mesh",
-       {"mesh", "scale", "convex"},
-       [](const Field& field) -> Geometry { return parseMeshFile(field); }},
-      {"link", {"link", "convex"}, [](const Field& field) -> Geometry {
-         return RobotLink{field.at("link").text()};
-       }}};
+  static const std::vector<Kind> kKinds = {{"point", {}, parsePointShape},
+                                           {"triangle", {"corners"}, parseTriangle},
+                                           {"sphere", {"radius"}, parseSphere},
+                                           {"capsule", {"ends", "radius"}, parseCapsule},
+                                           {"mesh", {"mesh", "scale", "convex"}, parseMesh},
+                                           {"link", {"link", "convex"}, parseLink}};
   return kKinds;
 }
 
@@ -223,8 +220,12 @@ std::vector<Pair> allPairs(const Scene& scene) {
 core::Accuracy parseAccuracy(const Field& field) {
   field.allowOnly({"max_relative_error", "max_absolute_error", "max_leaves"});
   core::Accuracy accuracy;
-  readIfGiven(field, "max_relative_error", accuracy.max_relative_error, &Field::notNegative);
-  readIfGiven(field, "max_absolute_error", accuracy.max_absolute_error, &Field::notNegative);
+  const auto up_to = [](double most) {
+    return [most](const Field& number) { return number.upTo(most); };
+  };
+  // As cfg/OrganCollision.cfg allows: what is above would be changed with the first other setting.
+  readIfGiven(field, "max_relative_error", accuracy.max_relative_error, up_to(10.0));
+  readIfGiven(field, "max_absolute_error", accuracy.max_absolute_error, up_to(1.0));
   readIfGiven(field, "max_leaves", accuracy.max_leaves, &Field::count);
   return accuracy;
 }

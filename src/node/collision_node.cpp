@@ -36,6 +36,14 @@ ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
   return node;
 }
 
+OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
+  OrganCollisionConfig config;
+  config.max_relative_error = accuracy.max_relative_error;
+  config.max_absolute_error = accuracy.max_absolute_error;
+  config.max_leaves = static_cast<int>(accuracy.max_leaves);
+  return config;
+}
+
 }  // namespace
 
 CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle private_node)
@@ -55,16 +63,9 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   hearTf("/tf", false);
   hearTf("/tf_static", true);
 
-  OrganCollisionConfig config;
-  config.max_relative_error = scene_.accuracy.max_relative_error;
-  config.max_absolute_error = scene_.accuracy.max_absolute_error;
-  config.max_leaves = static_cast<int>(scene_.accuracy.max_leaves);
-  reconfigure_.updateConfig(config);
-  reconfigure_.setCallback([this](OrganCollisionConfig& wanted, std::uint32_t) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    accuracy_ = {wanted.max_relative_error, wanted.max_absolute_error,
-                 static_cast<std::uint32_t>(wanted.max_leaves)};
-  });
+  reconfigure_.updateConfig(toConfig(accuracy_));
+  reconfigure_.setCallback(
+      [this](OrganCollisionConfig& wanted, std::uint32_t) { reconfigure(wanted); });
 
   diagnostics_.setHardwareID("none");
   diagnostics_.add("contacts", this, &CollisionNode::diagnose);
@@ -108,6 +109,20 @@ CollisionNode::~CollisionNode() {
   updater_.join();
 }
 
+/// Refuses what is no accuracy: the settings stay as they are, and are told so.
+void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
+  const core::Accuracy accuracy = {wanted.max_relative_error, wanted.max_absolute_error,
+                                   static_cast<std::uint32_t>(wanted.max_leaves)};
+  const std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    core::requireUsable(accuracy);
+    accuracy_ = accuracy;
+  } catch (const std::invalid_argument& error) {
+    ROS_ERROR("refused to be reconfigured: %s", error.what());
+    wanted = toConfig(accuracy_);
+  }
+}
+
 void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
@@ -129,12 +144,9 @@ void CollisionNode::run() {
     const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::SteadyTime::now();
     // One at a time: every pose gets its contact, as long as the rate allows.
     tf_queue_.callOne(std::max(to_heartbeat, ros::WallDuration(0)));
-    const ros::WallDuration too_early = due - ros::SteadyTime::now();
-    if (too_early > ros::WallDuration(0)) {
-      too_early.sleep();
-      tf_queue_.callAvailable();
-    }
-    const ros::SteadyTime now = ros::SteadyTime::now();
+    ros::SteadyTime now = ros::SteadyTime::now();
+    for (; ros::ok() && now < due; now = ros::SteadyTime::now())
+      tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
     if (!tips_moved && !others_moved && now - last_published < heartbeat) continue;

@@ -52,6 +52,7 @@ class CollisionNode {
   void hearTf(const std::string& topic, bool is_static);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
+  void reconfigure(OrganCollisionConfig& wanted);
   std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
 

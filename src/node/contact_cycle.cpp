@@ -45,29 +45,23 @@ Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ro
 
   contact.stamp = pose.stamp();
   contact.age = pose.age(now);
-  const bool is_late = !pose.complaint(now, scene_.stale_after).empty();
-  contact.status = is_late ? Contact::STALE : Contact::OK;
   const core::Box box = core::boxOf(instrument.shapes, pose.secondFromFirst());
-  const double apart = std::sqrt(squaredDistance(box, snapshot->organ.health().box));
-  if (apart > scene_.max_distance) {
-    if (!is_late) contact.status = Contact::OUT_OF_RANGE;
-    contact.nearest = noNearestTriangle(apart);
-    contact.instrument_point =
-        toPoint(pose.sceneFromSecond() * pose.secondFromFirst().translation());
-    return contact;
+  core::Contact found{};
+  found.nearest.lower_bound = std::sqrt(squaredDistance(box, snapshot->organ.health().box));
+  found.nearest.tip_point = pose.secondFromFirst().translation();
+  if (found.nearest.lower_bound <= scene_.max_distance) {
+    found = tracked.tracker.contact(snapshot->organ, snapshot->motion(), instrument.shapes,
+                                    pose.secondFromFirst(), accuracy);
+    organ.account(found.nearest, accuracy);
   }
-  const core::Contact found = tracked.tracker.contact(
-      snapshot->organ, snapshot->motion(), instrument.shapes, pose.secondFromFirst(), accuracy);
-  organ.account(found.nearest, accuracy);
+  const bool is_late = pose.isLate(now, scene_.stale_after);
+  const bool is_far = found.nearest.lower_bound > scene_.max_distance;
+  contact.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+  contact.nearest = is_far ? noNearestTriangle(found.nearest.lower_bound)
+                           : toMessage(found.nearest, pose.sceneFromSecond());
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);
-  if (found.nearest.lower_bound > scene_.max_distance) {
-    if (!is_late) contact.status = Contact::OUT_OF_RANGE;
-    contact.nearest = noNearestTriangle(found.nearest.lower_bound);
-    return contact;
-  }
-  contact.nearest = toMessage(found.nearest, pose.sceneFromSecond());
-  contact.colliding = found.colliding;
-  contact.colliding_certain = found.colliding_certain;
+  contact.colliding = !is_far && found.colliding;
+  contact.colliding_certain = is_far || found.colliding_certain;
   return contact;
 }
 

@@ -7,6 +7,7 @@
 #include <exception>
 #include <future>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "node/collision_node.h"
@@ -51,12 +52,12 @@ std::unique_ptr<CollisionNode> makeNode() {
 
 int main(int argc, char** argv) {
   endOnSignal();
-  ros::init(argc, argv, "organ_collision", ros::init_options::NoSigintHandler);
-  setDuty(Duty::kAnswer);
-  // It closes with the last handle, and the error below must get out. Starts the threads that read
-  // and write sockets: they answer tips too.
-  const ros::NodeHandle keeps_the_log_open;
+  std::optional<ros::NodeHandle> keeps_the_log_open;  // it closes with the last handle
   try {
+    ros::init(argc, argv, "organ_collision", ros::init_options::NoSigintHandler);
+    setDuty(Duty::kAnswer);
+    // Starts the threads that read and write sockets: they answer tips too.
+    keeps_the_log_open.emplace();
     std::async(std::launch::async, makeNode).get()->run();
   } catch (const std::exception& error) {
     if (told_to_end) return 0;  // what loads while the node ends finds no master

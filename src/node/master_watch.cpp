@@ -57,8 +57,9 @@ XmlRpcValue askSelf(const std::string& method, std::initializer_list<XmlRpcValue
   ros::network::splitURI(nodeUri(), host, port);
   XmlRpc::XmlRpcClient self(host.c_str(), static_cast<int>(port), "/");
   XmlRpcValue response;  // [status, message, payload]
-  const bool is_answered = self.execute(method.c_str(), arguments(rest), response);
-  return is_answered && response.size() == 3 ? response[2] : XmlRpcValue();
+  if (!self.execute(method.c_str(), arguments(rest), response) || response.size() != 3)
+    throw XmlRpc::XmlRpcException("this node, at " + nodeUri() + ", cannot be reached");
+  return response[2];
 }
 
 /// The names in `entries`, a list of [name, [nodes]], that this node stands behind.
@@ -117,7 +118,7 @@ void MasterWatch::check() {
   try {
     registerMissing();
   } catch (const XmlRpc::XmlRpcException& error) {  // no std::exception, and no reason to end
-    ROS_WARN_THROTTLE(kAnswerWarningPeriod, "odd answer of the master: %s",
+    ROS_WARN_THROTTLE(kAnswerWarningPeriod, "whether the master knows this node is not known: %s",
                       error.getMessage().c_str());
   }
 }

@@ -5,6 +5,26 @@
 #include <cstdint>
 
 namespace organ_collision::node {
+namespace {
+
+/// Zero for what is static.
+ros::Duration ageOf(const FramePose& pose, const ros::Time& now) {
+  if (pose.stamp.isZero()) return ros::Duration(0);
+  const auto age = static_cast<std::int64_t>(now.toNSec() - pose.stamp.toNSec());
+  const std::int64_t longest = ros::DURATION_MAX.toNSec();
+  return ros::Duration().fromNSec(std::clamp(age, -longest, longest));
+}
+
+/// Empty where the pose is that of now.
+std::string complaintOf(const char* what, const FramePose& pose, const ros::Time& now,
+                        double stale_after) {
+  const double age = ageOf(pose, now).toSec();
+  if (std::abs(age) <= stale_after) return "";
+  return what + std::string(" is ") + std::to_string(std::abs(age)) +
+         (age < 0.0 ? " s ahead of the clock" : " s old");
+}
+
+}  // namespace
 
 bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   const FrameLookup first = lookUpFrame(buffer, frames_.second, frames_.first);
@@ -22,18 +42,18 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   return moved;
 }
 
-ros::Duration PairPose::age(const ros::Time& now) const {
-  if (stamp().isZero()) return ros::Duration(0);
-  const auto age = static_cast<std::int64_t>(now.toNSec() - stamp().toNSec());
-  const std::int64_t longest = ros::DURATION_MAX.toNSec();
-  return ros::Duration().fromNSec(std::clamp(age, -longest, longest));
+ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }
+
+bool PairPose::isLate(const ros::Time& now, double stale_after) const {
+  return !reason_.empty() || std::abs(age(now).toSec()) > stale_after;
 }
 
 std::string PairPose::complaint(const ros::Time& now, double stale_after) const {
-  const double age = this->age(now).toSec();
-  if (!reason_.empty() || std::abs(age) <= stale_after) return reason_;
-  return "the last pose is " + std::to_string(std::abs(age)) +
-         (age < 0.0 ? " s ahead of the clock" : " s old");
+  if (!reason_.empty() || !isKnown()) return reason_;
+  const std::string of_first = complaintOf("the last pose", *second_from_first_, now, stale_after);
+  return of_first.empty() ? complaintOf("the last pose of the scene's frame", *scene_from_second_,
+                                        now, stale_after)
+                          : of_first;
 }
 
 }  // namespace organ_collision::node

@@ -44,7 +44,10 @@ class PairPose {
   /// more than a Duration can hold.
   ros::Duration age(const ros::Time& now) const;
 
-  /// Why the poses are not those of now; empty: they are. REQUIRES: lookUp() was called.
+  /// The first's pose is not that of now.
+  bool isLate(const ros::Time& now, double stale_after) const;
+
+  /// Why the poses are not those of now; empty: they are. REQUIRES no more than lookUp().
   std::string complaint(const ros::Time& now, double stale_after) const;
 
  private:

@@ -94,10 +94,11 @@ Proximity ProximityCycle::proximityOf(Tracked& tracked, const ros::Time& now,
   Proximity message = unknown(0.0);
   message.status = Contact::NO_POSE;
   if (tracked.pose.isKnown()) {
-    const bool is_late = !tracked.pose.complaint(now, scene_.stale_after).empty();
+    const bool is_late = tracked.pose.isLate(now, scene_.stale_after);
     message = measure(tracked, accuracy);
     const bool is_far = message.lower_bound > scene_.max_distance;
     message.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+    message.colliding_certain = message.colliding_certain || is_far;
     message.stamp = tracked.pose.stamp();
     message.age = tracked.pose.age(now);
   }

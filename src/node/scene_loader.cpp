@@ -23,9 +23,11 @@ std::optional<std::filesystem::path> findPackage(const std::string& package) {
 std::string robotDescription(const ros::NodeHandle& node) {
   std::string key;
   std::string description;
-  if (node.searchParam("robot_description", key) && node.getParam(key, description))
-    return description;
-  throw std::invalid_argument("the parameter robot_description is not set");
+  if (!node.searchParam("robot_description", key))
+    throw std::invalid_argument("the parameter robot_description is not set");
+  if (!node.getParam(key, description))
+    throw std::invalid_argument("the parameter " + key + " is no text");
+  return description;
 }
 
 core::TriangleMesh load(const std::string& url, double scale, const io::Scene& scene) {

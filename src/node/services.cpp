@@ -121,11 +121,16 @@ bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& re
       throw std::invalid_argument("mode is " + std::to_string(request.mode) +
                                   ": AUTO is 0, REFIT 1, REBUILD 2");
     }
-    const Organ::Applied applied =
-        request.triangles.empty()
-            ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
-                           request.expected_version)
-            : organ.replace(meshFrom(request), request.expected_version);
+    Organ::Applied applied;
+    try {
+      applied = request.triangles.empty()
+                    ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
+                                   request.expected_version)
+                    : organ.replace(meshFrom(request), request.expected_version);
+    } catch (const std::exception&) {
+      publish_mesh_info_();  // of what waited, and was applied before this was refused
+      throw;
+    }
     publish_mesh_info_();
     response.message = applied.reason;
     response.mesh_version = applied.version;

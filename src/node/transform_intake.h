@@ -12,7 +12,8 @@ namespace organ_collision::node {
 /// time runs backwards (a bag that loops, a simulation that is reset) all that moves is forgotten,
 /// as tf2_ros does. A transform ahead of the clock is refused, as tf2_ros does not: the buffer
 /// drops what is much older than its newest entry, so one from the future, or one sent before a
-/// reset and heard after it, would shut out the true ones until their time has come.
+/// reset and heard after it, would shut out the true ones until their time has come. So is one on
+/// /tf without a stamp: tf2 would keep the first of them for ever. Rotations are normalized.
 class TransformIntake {
  public:
   static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ

@@ -63,7 +63,8 @@ Eigen::Vector3d pointOn(const Triangle& triangle, const Eigen::Vector3d& barycen
   return barycentric[0] * triangle.a + barycentric[1] * triangle.b + barycentric[2] * triangle.c;
 }
 
-/// Where `tip` was, as seen from the triangle that is nearest to it now.
+/// Where `tip` was, as seen from the triangle that is nearest to it now; nothing where that tells
+/// no place.
 std::optional<Eigen::Vector3d> carriedBack(const Eigen::Vector3d& tip, const CollisionMesh& now,
                                            const CollisionMesh& as_built) {
   const NearestTriangle nearest = core::nearestTriangle(now, tip);
@@ -75,7 +76,9 @@ std::optional<Eigen::Vector3d> carriedBack(const Eigen::Vector3d& tip, const Col
   const auto frame_now = frame_in(now);
   const auto frame_then = frame_in(as_built);
   if (!frame_now || !frame_then) return std::nullopt;
-  return *frame_then * (frame_now->inverse() * tip);
+  const Eigen::Vector3d tip_then = *frame_then * (frame_now->inverse() * tip);
+  if (!(core::largestCoordinate(tip_then) < core::kLargestCoordinate)) return std::nullopt;
+  return tip_then;
 }
 
 }  // namespace

@@ -79,6 +79,14 @@ TEST(RobotGeometry, RefusesALinkWithoutOrWithSeveralCollisions) {
       "link 'abdomen' of the robot description: it has 2 <collision>, but an organ is one mesh");
 }
 
+TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
+  for (const char* const unreadable : {"", "<cone/>", "<mesh/>", R"(<box size="1"/>)"}) {
+    EXPECT_EQ(refusal(robot(collision(kMesh) + collision(unreadable))),
+              "link 'abdomen' of the robot description: only 1 of its 2 <collision> can be read")
+        << unreadable;
+  }
+}
+
 TEST(RobotGeometry, RefusesShapesThatAreNoMesh) {
   EXPECT_THAT(refusal(robot(collision(R"(<box size="1 1 1"/>)"))),
               HasSubstr("is a box, but an organ is a mesh"));

@@ -196,12 +196,16 @@ TEST(Scene, RefusesNumbersOutOfRange) {
           << key << " " << number;
     }
   }
-  for (const char* const key : {"max_relative_error", "max_absolute_error"}) {
-    for (const double number : {-1e-300, kNan, kInfinity}) {
-      EXPECT_THAT(refusal(with(scene(), "accuracy", Map{{key, number}})),
-                  HasSubstr("but it must be a finite number, 0 or above"));
+  for (const auto& [key, most] : Map{{"max_relative_error", 10}, {"max_absolute_error", 1}}) {
+    const auto refused = [&, name = key](const Value& number) {
+      return refusal(with(scene(), "accuracy", Map{{name, number}}));
+    };
+    for (const double number : {-1e-300, kNan, kInfinity, 10.001}) {
+      EXPECT_THAT(refused(number), HasSubstr("but it must be a number from 0 to " +
+                                             std::to_string(std::get<int>(most))));
     }
-    EXPECT_EQ(refusal(with(scene(), "accuracy", Map{{key, 0}})), "accepted");
+    EXPECT_EQ(refused(0), "accepted");
+    EXPECT_EQ(refused(most), "accepted");
   }
   EXPECT_EQ(refusal(with(scene(), "accuracy", Map{{"max_leaves", -1}})),
             "scene.accuracy.max_leaves: -1, but it must be an integer, 0 or above");
@@ -291,10 +295,16 @@ TEST(Scene, RefusesAShapeWithoutSize) {
   EXPECT_EQ(refused({{"shape", "capsule"}, {"radius", 1}, {"ends", List{ends[0]}}}),
             path + "ends: a list of 1, but it must be a list of 2");
   EXPECT_EQ(refused({{"shape", "mesh"}}), path + "mesh: is missing");
-  for (const double radius : {0.0, -0.003, kNan, kInfinity}) {
+  for (const double coordinate : {kNan, kInfinity, -1e150}) {
+    EXPECT_THAT(
+        refused(
+            {{"shape", "capsule"}, {"radius", 1}, {"ends", List{ends[0], List{0, coordinate, 1}}}}),
+        HasSubstr(path + "ends[1][1]: "));
+  }
+  for (const double radius : {0.0, -0.003, kNan, kInfinity, 1e150}) {
     EXPECT_THAT(refused({{"shape", "sphere"}, {"radius", radius}}), HasSubstr(path + "radius: "));
     EXPECT_THAT(refused({{"shape", "capsule"}, {"radius", radius}, {"ends", ends}}),
-                HasSubstr(", but it must be a finite number above 0"));
+                HasSubstr(", but it must be a number above 0 and below 1e+150"));
   }
 }
 
@@ -333,9 +343,11 @@ TEST(Scene, RefusesATriangleWithoutItsCornersAndCornersWithoutATriangle) {
             "scene.instruments[0].corners: a point has none; a triangle has");
   EXPECT_EQ(refusal(withInstrument(with(triangle, "corners", List{kCorners[0], kCorners[1]}))),
             "scene.instruments[0].corners: a list of 2, but it must be a list of 3");
-  EXPECT_EQ(refusal(withInstrument(
-                with(triangle, "corners", List{kCorners[0], kCorners[1], List{0, kNan, 0}}))),
-            "scene.instruments[0].corners[2][1]: nan, but it must be a finite number");
+  EXPECT_EQ(
+      refusal(withInstrument(
+          with(triangle, "corners", List{kCorners[0], kCorners[1], List{0, kNan, 0}}))),
+      "scene.instruments[0].corners[2][1]: nan, but it must be a finite number of a magnitude "
+      "below 1e+150");
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ TEST_F(ContactCycleTest, SaysNoPoseAndInfinityUntilTheFrameIsThere) {
   EXPECT_EQ(contact.nearest.upper_bound, kInfinity);
   EXPECT_EQ(contact.nearest.lower_bound, 0.0);
   EXPECT_FALSE(contact.colliding);
+  EXPECT_FALSE(contact.colliding_certain);
   ASSERT_EQ(cycle_.complaints(ros::Time(1.0)).size(), 2U);
   EXPECT_NE(cycle_.complaints(ros::Time(1.0))[0].reason.find("left_tip"), std::string::npos);
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(1.0));
@@ -148,6 +149,22 @@ TEST_F(ContactCycleTest, APoseAtInfinityIsNoPose) {
   }
 }
 
+TEST_F(ContactCycleTest, ComplainsOfAnOldPoseOfTheScenesFrame) {
+  scene_.frame = "camera";
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  place("world", "camera", {0, 0, 5}, ros::Time(100.0));
+  for (const char* const tip : {"left_tip", "right_tip"})
+    place("liver", tip, {0.5, 0.5, 3.0}, ros::Time(100.5));
+  cycle.lookUpTips();
+  EXPECT_EQ(cycle.contacts(ros::Time(100.5), {}).contacts[0].status, Contact::OK);
+  const auto complaints = cycle.complaints(ros::Time(100.5));
+  ASSERT_EQ(complaints.size(), 2U);
+  EXPECT_NE(complaints[0].reason.find("the scene's frame is 0.5"), std::string::npos);
+  place("world", "camera", {0, 0, 5}, ros::Time(100.5));
+  cycle.lookUpTips();
+  EXPECT_TRUE(cycle.complaints(ros::Time(100.5)).empty());
+}
+
 TEST_F(ContactCycleTest, AStaticTipIsNeverStale) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(5.0), true);
   const Contact contact = contacts(ros::Time(1e6)).contacts[0];
@@ -164,6 +181,7 @@ TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_EQ(contact.nearest.distance, kInfinity);
   EXPECT_EQ(contact.nearest.lower_bound, 2.0);
   EXPECT_FALSE(contact.colliding);
+  EXPECT_TRUE(contact.colliding_certain);
 }
 
 TEST_F(ContactCycleTest, IsCulledByBoxesBeforeAnyTriangleIsLookedAt) {
@@ -173,6 +191,7 @@ TEST_F(ContactCycleTest, IsCulledByBoxesBeforeAnyTriangleIsLookedAt) {
   const Contact contact = contacts(ros::Time(100.0)).contacts[0];
   EXPECT_EQ(contact.status, Contact::OUT_OF_RANGE);
   EXPECT_EQ(contact.nearest.lower_bound, 1.5);
+  EXPECT_TRUE(contact.colliding_certain);
   EXPECT_EQ(contact.instrument_point.x, 10.5);
   EXPECT_EQ(organs_[0]->costRatio(), 1.0);
 }

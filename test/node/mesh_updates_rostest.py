@@ -216,6 +216,15 @@ class MeshUpdates(unittest.TestCase):
         after = self.contacts.contact("fixed")
         self.assertEqual((after.mesh_version, after.nearest), (before.mesh_version, before.nearest))
 
+    def test_mesh_info_tells_what_was_applied_before_an_update_was_refused(self):
+        for i in range(100):  # it is seldom that the refused one comes first to what was streamed
+            before = self.services.get_mesh().mesh_version
+            self.send(self.loaded.vertices[:1] + [0.0, 0.0, 1e-5 * i], indices=[0])
+            self.assertFalse(self.services.update(self.loaded.vertices, expected_version=1).success)
+            wait_until(lambda: self.services.get_mesh().mesh_version > before, "the streamed update")
+            version = self.services.get_mesh().mesh_version
+            self.latest_info(lambda info: info.mesh_version == version)
+
     def test_a_batch_is_answered_from_one_mesh_version(self):
         lifted = self.loaded.vertices + [0.0, 0.0, 0.005]
         points = np.tile(TIP, (2000, 1))

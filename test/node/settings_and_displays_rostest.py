@@ -38,6 +38,13 @@ class SettingsAndDisplays(unittest.TestCase):
                 widths.append(nearest.upper_bound - nearest.lower_bound)
             self.assertEqual(max(widths) == 0.0, exact)
 
+    def test_what_is_no_accuracy_is_refused_and_changes_nothing(self):
+        client = Client("greedy", timeout=PATIENCE)
+        before = client.get_configuration(PATIENCE)
+        for key in ("max_relative_error", "max_absolute_error"):
+            self.assertEqual(client.update_configuration({key: float("nan")}), before)
+        ContactsInbox("greedy").wait_for()
+
     def test_dynamic_reconfigure_starts_from_the_scene_s_accuracy(self):
         accuracy = Client("greedy", timeout=PATIENCE).get_configuration(PATIENCE)
         self.assertEqual([accuracy[key] for key in ("max_leaves", "max_relative_error", "max_absolute_error")],

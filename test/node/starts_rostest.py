@@ -134,6 +134,8 @@ def bad_scenes(folder):
         "negative_max_distance": (scene(max_distance=-1), ["scene.max_distance", "-1"]),
         "negative_error": (scene(accuracy={"max_relative_error": -0.5}), ["scene.accuracy.max_relative_error"]),
         "negative_leaves": (scene(accuracy={"max_leaves": -1}), ["scene.accuracy.max_leaves", "-1"]),
+        "error_beyond_dynamic_reconfigure":
+            (scene(accuracy={"max_relative_error": 20.0}), ["scene.accuracy.max_relative_error", "20", "10"]),
         "pair_of_strangers": (scene(pairs=[["left", "spleen"]]), ["scene.pairs[0]", "spleen"]),
         "name_twice": (scene(organs=[organ(), organ()]), ["scene.organs[1].name", "liver"]),
         "unknown_package":
@@ -175,6 +177,20 @@ class Starts(unittest.TestCase):
                                                          bad_scenes(os.path.realpath(folder)).items())))
         if complaints:
             self.fail(complaints)
+
+    def test_a_name_that_ros_refuses_ends_the_node_with_an_error(self):
+        for argument in ("__name:=a/b", "~contacts:=bad-name"):
+            ended = subprocess.run([NODE, argument], capture_output=True, text=True, timeout=LONGEST_START, check=False)
+            self.assertEqual(ended.returncode, 1, ended.stderr)
+            self.assertIn(argument.partition(":=")[2], ended.stdout + ended.stderr)
+
+    def test_the_crtk_relay_without_a_map_of_arms_ends_naming_the_parameter(self):
+        relay = roslib.packages.find_node("organ_collision", "crtk_relay")[0]
+        for arms in ([], ["_arms:=[PSM1]"]):
+            ended = subprocess.run([relay, *arms], capture_output=True, text=True, timeout=LONGEST_START, check=False)
+            self.assertEqual(ended.returncode, 1)
+            self.assertIn("/crtk_relay/arms", ended.stderr)
+            self.assertNotIn("Traceback", ended.stderr)
 
     def test_an_unknown_link_ends_the_node_with_the_key_and_the_links_that_there_are(self):
         rospy.set_param("/robot_description", '<robot name="r"><link name="arm"/></robot>')

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What contacts say of tips that are not there yet, not there any more, or far away."""
+import time
 import unittest
 
 import numpy as np
@@ -24,7 +25,7 @@ def is_stale(contact):
 class Statuses(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.frames = Frames("organ_collision", "near")
+        cls.frames = Frames("organ_collision", "near", "slow")
         cls.surface = Services().surface()
         cls.frames.fix(("liver", "fixed_tip", cls.above(0.03)))
         cls.contacts = ContactsInbox()
@@ -119,6 +120,15 @@ class Statuses(unittest.TestCase):
             self.check_that_there_is_no_answer(contact, contact.nearest.lower_bound)
             self.assertGreater(contact.nearest.lower_bound, MAX_DISTANCE)
             self.assertLessEqual(contact.nearest.lower_bound, height + 1e-12)
+
+    def test_a_low_rate_loses_no_frame_whatever_else_tf_tells(self):
+        slow, tips = ContactsInbox("slow"), [f"tip_{i}" for i in range(10)]
+        for tip in tips:
+            self.frames.put(("liver", tip, self.above(0.01)))  # once
+            for _ in range(200):  # more than wait here for one of ten cycles a second
+                self.frames.put(("liver", "other", Pose()))
+                time.sleep(0.0001)
+        slow.wait_for(lambda array: all(contact_of(array, tip).status != Contact.NO_POSE for tip in tips))
 
 
 if __name__ == "__main__":

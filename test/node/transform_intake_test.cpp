@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "node/frame_lookup.h"
+
 namespace organ_collision::node {
 namespace {
 
@@ -74,6 +76,29 @@ TEST_F(TransformIntakeTest, WhatWasSentBeforeAResetAndComesAfterItIsRefused) {
   EXPECT_FALSE(knows("tip"));
   hear("tip", 2.0, ros::Time(0.3), ros::Time(0.3));
   EXPECT_EQ(latest("tip"), 2.0);
+}
+
+TEST_F(TransformIntakeTest, WhatMovesMustSayWhen) {
+  EXPECT_THAT(hear("tip", 1.0, ros::Time(0), ros::Time(100.0)), HasSubstr("'tip'"));
+  EXPECT_FALSE(knows("tip"));
+  EXPECT_EQ(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0)), "");
+  EXPECT_EQ(latest("tip"), 2.0);
+}
+
+TEST_F(TransformIntakeTest, ARotationThatIsRoundedScalesNothing) {
+  for (const double part : {0.71, 0.7071}) {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    geometry_msgs::TransformStamped& transform = message.transforms.front();
+    transform.header.frame_id = "liver";
+    transform.child_frame_id = "rounded";
+    transform.transform.rotation.z = part;
+    transform.transform.rotation.w = part;
+    EXPECT_EQ(intake_.take(message, "test", true, ros::Time(1.0)), "");
+    const auto pose = lookUpFrame(buffer_, "liver", "rounded").pose;
+    ASSERT_TRUE(pose);
+    EXPECT_NEAR((pose->target_from_source * Eigen::Vector3d(0.3, 0.0, 0.0)).norm(), 0.3, 1e-15);
+  }
 }
 
 TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -45,6 +46,20 @@ TEST(Wear, IsNoneWhereNothingHasMoved) {
   EXPECT_EQ(wear->newly_wrong, 0.0);
   EXPECT_GT(wear->query_duration, 0.0);
   EXPECT_GT(wear->exact_duration, 0.0);
+}
+
+TEST(Wear, IsNotAskedOfTipsThatTheSurfaceCarriesOutOfTheWorld) {
+  const CollisionMesh built(test::blob(1));
+  CollisionMesh turned = built;
+  Points points = built.mesh().positions();
+  for (Eigen::Vector3d& point : points)
+    point = Eigen::AngleAxisd(M_PI / 4, Eigen::Vector3d::UnitZ()) * point;
+  turned.refit(points);
+  std::vector<Question> questions;
+  for (const double x : {-9.9e149, 9.9e149})
+    for (const double y : {-9.9e149, 9.9e149})
+      questions.push_back({{x, y, 0.0}, Accuracy::exact()});
+  EXPECT_FALSE(measureWear(questions, turned, built));
 }
 
 TEST(Wear, IsNoneWhereTheOrganHasMovedAsAWhole) {
