@@ -11,7 +11,7 @@ from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Serv
                              run, wait_until)
 
 from organ_collision.msg import MeshInfo, MeshInfoArray, MeshUpdate
-from organ_collision.srv import UpdateMeshRequest
+from organ_collision.srv import UpdateMesh, UpdateMeshRequest
 
 AUTO, REFIT, REBUILD = UpdateMeshRequest.AUTO, UpdateMeshRequest.REFIT, UpdateMeshRequest.REBUILD
 REFITS = (MeshInfo.REFIT, MeshInfo.PARTIAL_REFIT)
@@ -217,10 +217,13 @@ class MeshUpdates(unittest.TestCase):
         self.assertEqual((after.mesh_version, after.nearest), (before.mesh_version, before.nearest))
 
     def test_mesh_info_tells_what_was_applied_before_an_update_was_refused(self):
-        for i in range(100):  # it is seldom that the refused one comes first to what was streamed
+        refused = UpdateMeshRequest(organ="liver", expected_version=1)
+        refused.header.frame_id = "liver"
+        update = rospy.ServiceProxy("organ_collision/update_mesh", UpdateMesh, persistent=True)
+        for i in range(200):  # it is seldom that the refused one comes first to what was streamed
             before = self.services.get_mesh().mesh_version
             self.send(self.loaded.vertices[:1] + [0.0, 0.0, 1e-5 * i], indices=[0])
-            self.assertFalse(self.services.update(self.loaded.vertices, expected_version=1).success)
+            self.assertFalse(any(update(refused).success for _ in range(3)))
             wait_until(lambda: self.services.get_mesh().mesh_version > before, "the streamed update")
             version = self.services.get_mesh().mesh_version
             self.latest_info(lambda info: info.mesh_version == version)
