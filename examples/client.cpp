@@ -1,4 +1,4 @@
-// A client: asks where the organ is nearest to a point, moves one vertex there outwards, and asks
+// A client: asks where the organ is nearest to a point, moves one vertex there up by 2 mm, and asks
 // again.
 //   rosrun organ_collision example_client ORGAN FRAME X Y Z
 #include <organ_collision/FindNearestTriangle.h>

@@ -33,7 +33,7 @@ class Organ {
  public:
   struct Counters {
     std::uint64_t updates_merged = 0;  ///< joined with a later one before they were applied
-    std::uint64_t updates_lost = 0;    ///< refused
+    std::uint64_t updates_lost = 0;    ///< refused, dropped by a queue, overtaken by a topology
   };
 
   /// What an update did.
@@ -67,7 +67,8 @@ class Organ {
   /// Does not wait for an update under way.
   void enqueue(VertexMoves moves);
 
-  /// Counts an update that was refused before it was tried or by enqueue().
+  /// Counts an update that a queue dropped, or that was refused before it was tried or by
+  /// enqueue().
   void countLostUpdate();
 
   /// Does what waits: moves enqueued, a rebuild that is ready or due. True if that changed what

@@ -10,10 +10,10 @@
 
 namespace organ_collision::core {
 
-/// How an instrument stands to an organ. For a sphere or capsule `nearest` is the centre's or the
-/// axis's with the radius subtracted from distance and bounds alike; `closest` is as seen from
-/// centre or axis. So an unsigned distance may be negative too, down to -radius: the surface of the
-/// organ is that deep in the shape. A capsule whose axis crosses the surface has the distance
+/// How an instrument stands to an organ. For spheres and capsules `nearest` is that of the centre
+/// or the axis, with the radius subtracted from distance and bounds; `closest` is as seen from
+/// there. So an unsigned distance may be as low as -radius: the surface of the organ is that deep
+/// in the shape. A capsule whose axis crosses the surface has the distance
 /// -radius, however far it crosses. tip_point is on the surface of the shape: the point nearest to
 /// the organ, or deepest in it, |distance| from the organ's point (of a capsule inside with an end
 /// towards the surface, beside that end).

@@ -20,7 +20,7 @@ struct MeshHealth {
   std::size_t duplicate_triangles;   ///< same corners as an earlier one
   Box box;                           ///< [m] of all triangles
 
-  /// Inside and outside are known.
+  /// Inside and outside are known, if the surface does not cross itself.
   bool isSolid() const { return closed && consistently_wound; }
 };
 

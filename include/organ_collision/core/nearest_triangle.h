@@ -30,7 +30,7 @@ enum class Sign : std::uint8_t {
 
 /// What a search cost; the same on every machine.
 struct SearchWork {
-  std::uint32_t bounds = 0;     ///< boxes measured; greedy: poles compared
+  std::uint32_t bounds = 0;     ///< boxes measured; greedy: splits decided
   std::uint32_t triangles = 0;  ///< triangles looked at
 };
 
@@ -47,7 +47,8 @@ struct NearestTriangle {
                               ///< convention,
   double upper_bound;    ///< [m] but for rounding of 4*u*extent; distance is one of the two; equal:
                          ///< exact
-  bool distance_signed;  ///< the sign is proven; otherwise distance >= 0
+  bool distance_signed;  ///< the sign is proven, if the surface does not cross itself; otherwise
+                         ///< distance >= 0
   SearchWork work;
 
   bool isExact() const { return lower_bound == upper_bound; }

@@ -13,8 +13,8 @@ namespace organ_collision::core {
 /// overflow.
 constexpr double kLargestCoordinate = 1e150;
 
-/// Throws std::invalid_argument naming `what` unless all coordinates are finite and of a magnitude
-/// below kLargestCoordinate.
+/// Throws std::invalid_argument naming `what` and its `number` unless all coordinates are finite
+/// and of a magnitude below kLargestCoordinate.
 void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number);
 
 /// Triangles over shared vertices, numbered as in the file that they came from.
@@ -39,7 +39,7 @@ class TriangleMesh {
   Triangle triangle(TriangleId id) const { return triangle(corners(id)); }
 
   /// Moves all vertices [m]; returns their box. Throws std::invalid_argument and leaves the mesh as
-  /// it was if the count differs or a position is not finite.
+  /// it was if the count differs or a position is not usable.
   Box setPositions(Points positions);
   /// Throws std::invalid_argument if the counts differ, a vertex is not there or a position is not
   /// usable.

@@ -66,12 +66,11 @@ struct Scene {
   std::optional<std::filesystem::path> mesh_root;  ///< where meshes may be read; none: anywhere
 };
 
-/// The scene that `value`, a map, describes; docs/ros_api.md lists its keys. What is left out has
-/// the defaults above; `frame` is then the first organ's, `pairs` each instrument with each organ
-/// and no others.
-/// Throws std::invalid_argument naming the key's path, its value and what was wanted, such as
-/// "scene.organs[1].scale: -2, but it must be a finite number above 0". Unknown keys are refused
-/// too.
+/// The scene that `value`, a map, describes; config/all_keys.yaml has all keys. What is left out
+/// has the defaults above; `frame` is then the first organ's, `pairs` each instrument with each
+/// organ and no others. Throws std::invalid_argument naming the key's path, its value and what was
+/// wanted, such as "scene.organs[1].scale: -2, but it must be a finite number above 0". Unknown
+/// keys are refused too.
 Scene parseScene(const Value& value);
 
 }  // namespace organ_collision::io
