@@ -181,6 +181,10 @@ TEST(Contact, RefusesShapesThatAreNotUsable) {
   EXPECT_THROW(contact(cube, Capsule{{0, 0, 0}, {0, 0, 1}, 1e200}), std::invalid_argument);
   EXPECT_THROW(contact(cube, RigidMesh{nullptr, Eigen::Isometry3d::Identity()}),
                std::invalid_argument);
+  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
+  nowhere.translation().z() = nan;
+  EXPECT_THROW(contact(cube, RigidMesh{std::make_shared<const CollisionMesh>(cube), nowhere}),
+               std::invalid_argument);
 }
 
 TEST(ContactTracker, FollowsAllPiecesAsIfItAskedAnew) {

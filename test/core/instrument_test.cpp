@@ -42,6 +42,10 @@ TEST(Shape, MovesWithItsFrame) {
   EXPECT_EQ(capsule.radius, 3);
   const auto mesh = std::get<RigidMesh>(transformed(transformed(rigidCube(), pose), pose));
   EXPECT_LT((mesh.pose * x - pose * moved_x).norm(), kTolerance);
+  EXPECT_FALSE(mesh.convex);
+  RigidMesh convex = rigidCube();
+  convex.convex = true;
+  EXPECT_TRUE(std::get<RigidMesh>(transformed(convex, pose)).convex);
 }
 
 TEST(Shape, HasABoxAroundAllOfIt) {

@@ -185,14 +185,34 @@ TEST(Tracker, ProvesTheSignWhenItIsAskedAgain) {
 
 TEST(Tracker, FollowsFromAPointToATriangleAndBack) {
   const CollisionMesh organ(test::blob(4));
+  const auto& [low, high] = organ.health().box;
   Tracker tracker;
-  const Eigen::Vector3d point(0.1, 0.1, 0.1);
-  const Triangle triangle = {point, {0.11, 0.1, 0.1}, {0.1, 0.11, 0.0}};
-  for (const int unused : {0, 1}) {
-    static_cast<void>(unused);
+  const Eigen::Vector3d point = high + Eigen::Vector3d(0.1, 0.1, 0.1);
+  const Triangle beside = {point, point + Eigen::Vector3d(0.01, 0.0, 0.0),
+                           point + Eigen::Vector3d(0.0, 0.01, 0.0)};
+  const Triangle long_one = {point, beside.b, {low.x(), low.y(), high.z() + 0.01}};
+  for (const Triangle& triangle : {beside, long_one}) {
+    for (int repeats = 0; repeats < 4; ++repeats)  // so that a miss is worth a walk
+      expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
     expectSame(tracker.nearestTriangle(organ, {}, point), nearestTriangle(organ, point));
     expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
   }
+}
+
+TEST(Tracker, TakesNoNormalFromTheMeshBefore) {
+  const CollisionMesh organ(test::blob(4));
+  const Triangle face = organ.mesh().triangle(TriangleId{100});
+  const Eigen::Vector3d middle = centroid(face);
+  Points tilted = organ.mesh().positions();
+  const Eigen::AngleAxisd turn(0.05, (face.b - face.a).normalized());
+  for (Eigen::Vector3d& position : tilted) position = middle + turn * (position - middle);
+  const CollisionMesh next(TriangleMesh(tilted, organ.mesh().triangles()));
+  const Eigen::Vector3d tip = middle + 0.01 * (middle - face.a).norm() * middle.normalized();
+  Tracker tracker;
+  const NearestTriangle before = tracker.nearestTriangle(organ, {1, 0.0}, tip);
+  const NearestTriangle after = tracker.nearestTriangle(next, {2, 0.0}, tip);
+  EXPECT_EQ(before.triangle, after.triangle);
+  expectSame(after, nearestTriangle(next, tip));
 }
 
 /// What 1000 tips cost, each `next` of the one before.

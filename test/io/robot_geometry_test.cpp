@@ -79,6 +79,13 @@ TEST(RobotGeometry, RefusesALinkWithoutOrWithSeveralCollisions) {
       "link 'abdomen' of the robot description: it has 2 <collision>, but an organ is one mesh");
 }
 
+TEST(RobotGeometry, DoesNotCountTheCollisionsOfOtherLinks) {
+  std::string two = robot(collision(kMesh));
+  const std::string bed = R"(<link name="bed"/>)";
+  two.replace(two.find(bed), bed.size(), R"(<link name="bed">)" + collision(kMesh) + "</link>");
+  EXPECT_EQ(linkMesh(two, "abdomen").url, "package://p/liver.obj");
+}
+
 TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
   for (const char* const unreadable : {"", "<cone/>", "<mesh/>", R"(<box size="1"/>)"}) {
     EXPECT_EQ(refusal(robot(collision(kMesh) + collision(unreadable))),
