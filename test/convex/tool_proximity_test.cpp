@@ -67,6 +67,20 @@ TEST(HullProximity, TakesTheRadiusOfARoundShapeOff) {
   EXPECT_NEAR(above->normal.z(), -1.0, kGjk);
 }
 
+TEST(HullProximity, OfShapesThatJustTouchIsACollision) {
+  const auto touching = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 0.75}, 0.25});
+  ASSERT_TRUE(touching);
+  ASSERT_EQ(touching->distance, 0.0);
+  EXPECT_TRUE(touching->colliding);
+}
+
+TEST(HullProximity, TakesTheRadiusOfTheSecondOffItsOwnPoint) {
+  const auto below = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 2}, 0.25});
+  ASSERT_TRUE(below);
+  EXPECT_NEAR(below->point_on_first.z(), 0.5, kGjk);
+  EXPECT_NEAR(below->point_on_second.z(), 1.75, kGjk);
+}
+
 TEST(HullProximity, FillsTheHollowOfAMeshThatIsNotConvex) {
   // A corner of walls: two squares at a right angle. The hull holds what is between them.
   const core::TriangleMesh walls({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}},
@@ -180,6 +194,9 @@ TEST(HullProximity, DependsOnNoSize) {
         box(scale * Vector3d(1, 2, 3)),
         Capsule{scale * Vector3d(4, 1, 0.5), scale * Vector3d(4, 2, 3), scale * 0.25});
     const auto usual = hullProximity(box({1, 2, 3}), Capsule{{4, 1, 0.5}, {4, 2, 3}, 0.25});
+    const auto small_deep =
+        hullProximity(box(scale * Vector3d(3, 3, 3)), Sphere{scale * Vector3d(0, 0.1, 1), scale});
+    EXPECT_NEAR(small_deep->distance, -1.5 * scale, kDepth * scale);
     EXPECT_EQ(small->distance, scale * usual->distance);
     EXPECT_EQ(small->lower_bound, scale * usual->lower_bound);
   }
@@ -203,6 +220,27 @@ TEST(ToolProximity, LeavesAMeshThatIsNotCalledConvexAsItIs) {
   EXPECT_TRUE(ask().triangle_of_first.has_value());
   blob.convex = true;
   EXPECT_FALSE(ask().triangle_of_first.has_value());
+}
+
+TEST(ToolProximity, AsksTheTrianglesIfOneIsNotConvex) {
+  const RigidMesh open{std::make_shared<const CollisionMesh>(test::grid(2, 2)),
+                       Isometry3d::Identity(), false};
+  const RigidMesh above = box({1, 1, 1}, at(1, 1, 2));
+  EXPECT_TRUE(toolProximity({open}, Isometry3d::Identity(), {above}, {}).triangle_of_first);
+  EXPECT_TRUE(toolProximity({above}, Isometry3d::Identity(), {open}, {}).triangle_of_first);
+}
+
+TEST(ToolProximity, OfRoundShapesIsThatOfTheirCores) {
+  std::mt19937 generator(94);
+  for (std::size_t i = 0; i < queryCount(100); ++i) {
+    const auto capsule = [&] {
+      return Capsule{test::randomPoint(generator, 1.0), test::randomPoint(generator, 1.0), 0.125};
+    };
+    const Shape first = capsule();
+    const Shape second = capsule();
+    ASSERT_EQ(toolProximity({first}, Isometry3d::Identity(), {second}, {}).distance,
+              core::proximity(first, second).distance);
+  }
 }
 
 }  // namespace

@@ -118,6 +118,86 @@ TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBox) {
   EXPECT_EQ(organ.health().box.high.z(), 1.0);
 }
 
+TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBoxOfAPartialRefit) {
+  Points points = test::cube().positions();
+  points.emplace_back(0, 0, 100);
+  CollisionMesh organ(TriangleMesh(points, test::cube().triangles()));
+  organ.refit({VertexId{7}, VertexId{8}}, {{1, 1, 1.5}, {0, 0, 200}});
+  EXPECT_EQ(organ.health().box.high.z(), 1.5);
+}
+
+TEST(CollisionMesh, AnswersHoweverFarItWasMoved) {
+  std::mt19937 generator(34);
+  const TriangleMesh row = test::row(101);
+  for (const double way : {-1e7, 1e7}) {
+    CollisionMesh whole(row);
+    CollisionMesh part(row);
+    Points points = row.positions();
+    std::vector<VertexId> moved;
+    Points positions;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].x() += way;
+      if (i >= points.size() / 2) continue;
+      moved.push_back(static_cast<VertexId>(i));
+      positions.push_back(points[i]);
+    }
+    whole.refit(points);
+    part.refit(moved, positions);
+    for (const CollisionMesh* organ : {&whole, &part}) {
+      for (std::size_t i = 0; i < queryCount(500); ++i) {
+        const Eigen::Vector3d tip =
+            Eigen::Vector3d(way + 25.0, 0, 0) + test::randomPoint(generator, 25.0);
+        ASSERT_EQ(nearestTriangle(*organ, tip).distance,
+                  std::sqrt(test::squaredDistanceByBruteForce(organ->mesh(), tip)));
+      }
+    }
+  }
+}
+
+TEST(CollisionMesh, IsClosedAgainWhenVerticesThatPartedTogetherMeetOneByOne) {
+  const TriangleMesh cube = test::cube();
+  Points points;
+  std::vector<Corners> triangles;
+  for (const Corners& corners : cube.triangles()) {  // with vertices of its own
+    const std::size_t first = points.size();
+    for (const VertexId corner : corners) points.push_back(cube.position(corner));
+    triangles.push_back(test::corners(first, first + 1, first + 2));
+  }
+  CollisionMesh organ(TriangleMesh(points, triangles));
+  organ.refit({VertexId{0}, VertexId{1}}, {{-0.1, 0, 0}, {-0.2, 0, 0}});
+  EXPECT_FALSE(organ.health().closed);
+  organ.refit({VertexId{0}}, {points[0]});
+  EXPECT_FALSE(organ.health().closed);
+  organ.refit({VertexId{1}}, {points[1]});
+  EXPECT_TRUE(organ.health().closed);
+}
+
+TEST(CollisionMesh, FindsTrianglesThatAreFlatExactlyThoughNotInSinglePrecision) {
+  std::mt19937 generator(35);
+  for (int i = 0; i < 20; ++i) {
+    const auto whole = [&](double most) {
+      return Eigen::Vector3d(test::randomPoint(generator, most).array().round() * 0x1p-40);
+    };
+    const Eigen::Vector3d corner = whole(0x1p40);
+    const Eigen::Vector3d step = whole(0x1p38);
+    const CollisionMesh organ(TriangleMesh({corner, corner + step, corner + 3 * step, {2, 2, 2}},
+                                           {test::corners(0, 1, 2), test::corners(0, 1, 3)}));
+    EXPECT_EQ(organ.health().degenerate_triangles, 1);
+  }
+}
+
+TEST(CollisionMesh, KnowsThatPartialRefitsTurnedItInsideOut) {
+  CollisionMesh organ(test::cube());
+  std::vector<VertexId> all;
+  Points smaller;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    all.push_back(VertexId{i});
+    smaller.push_back(organ.mesh().position(VertexId{i}).cwiseProduct(Eigen::Vector3d(1, 1, -0.5)));
+  }
+  organ.refit(all, smaller);
+  EXPECT_TRUE(organ.health().inverted);
+}
+
 TEST(CollisionMesh, RebuildEqualsANewOne) {
   const Points deformed = twisted(test::blob(4).positions(), 20.0);
   CollisionMesh organ(test::blob(4));

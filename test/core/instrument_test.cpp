@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 #include <random>
+#include <stdexcept>
 
 #include "test_meshes.h"
 
@@ -42,10 +44,23 @@ TEST(Shape, MovesWithItsFrame) {
   EXPECT_EQ(capsule.radius, 3);
   const auto mesh = std::get<RigidMesh>(transformed(transformed(rigidCube(), pose), pose));
   EXPECT_LT((mesh.pose * x - pose * moved_x).norm(), kTolerance);
-  EXPECT_FALSE(mesh.convex);
-  RigidMesh convex = rigidCube();
-  convex.convex = true;
-  EXPECT_TRUE(std::get<RigidMesh>(transformed(convex, pose)).convex);
+}
+
+TEST(Shape, StaysConvexWhenItMoves) {
+  RigidMesh cube = rigidCube();
+  for (const bool convex : {false, true}) {
+    cube.convex = convex;
+    EXPECT_EQ(std::get<RigidMesh>(transformed(cube, quarterTurnAndStep())).convex, convex);
+  }
+}
+
+TEST(Shape, IsNotUsableWhereAnyNumberIsNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(requireUsable(Capsule{{0, 0, 0}, {0, nan, 0}, 1}), std::invalid_argument);
+  EXPECT_THROW(requireUsable(Triangle{{0, 0, 0}, {1, 0, 0}, {0, nan, 0}}), std::invalid_argument);
+  RigidMesh cube = rigidCube();
+  cube.pose.translation().x() = nan;
+  EXPECT_THROW(requireUsable(cube), std::invalid_argument);
 }
 
 TEST(Shape, HasABoxAroundAllOfIt) {

@@ -43,6 +43,24 @@ TEST(NearestPair, IsNegativeWhereOneIsInsideTheOther) {
   EXPECT_EQ(nearestPair(large, at(-0.125, -0.375, -0.375), small).nearest.distance, -0.125);
 }
 
+TEST(NearestPair, HasASignWhereOneSurfaceIsOpen) {
+  const CollisionMesh cube(test::cube(20.0));
+  const CollisionMesh grid(test::grid(2, 2));
+  for (const double x : {5.0, 25.0}) {
+    const NearestTriangle of_cube = nearestPair(grid, at(x, 5, 5), cube).nearest;
+    const NearestTriangle of_grid = nearestPair(cube, at(-x, -5, -5), grid).nearest;
+    for (const NearestTriangle& nearest : {of_cube, of_grid}) {
+      EXPECT_TRUE(nearest.distance_signed);
+      EXPECT_EQ(nearest.distance, x < 20.0 ? -5.0 : 5.0);
+    }
+  }
+}
+
+TEST(NearestPair, HasASignWhereSurfacesMeet) {
+  const CollisionMesh cube(test::cube());
+  EXPECT_TRUE(nearestPair(cube, at(0.5, 0.5, 0.5), cube).nearest.distance_signed);
+}
+
 TEST(NearestPair, OfOpenSurfacesHasNoSign) {
   const CollisionMesh grid(test::grid(2, 2));
   const NearestPair pair = nearestPair(grid, at(0, 0, 0.5), grid);
@@ -135,7 +153,7 @@ TEST(NearestPair, EqualsBruteForceBitForBit) {
 TEST(NearestPair, BoundsHoldTheTruthAtEverySetting) {
   const std::vector<Accuracy> settings = {{0, 0, 1}, {0.1, 0, 0}, {0, 1e-2, 0}, {0.05, 1e-3, 16}};
   forEachPlacement(
-      76, queryCount(5),
+      76, queryCount(20),
       [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
         const double exact = truth(first, pose, second);
         for (const Accuracy& accuracy : settings) {
@@ -294,6 +312,11 @@ TEST(NearestPair, OfSurfacesInOtherGalaxiesIsRightButForRounding) {
     EXPECT_NEAR(nearest.distance, std::sqrt(2.0) * far, 4 * 0x1p-53 * std::sqrt(2.0) * far);
     EXPECT_TRUE(nearest.isExact());
   }
+}
+
+TEST(NearestPair, RefusesAnAccuracyBelowZero) {
+  const CollisionMesh cube(test::cube());
+  EXPECT_THROW(nearestPair(cube, at(3, 0, 0), cube, {-0.1, 0, 0}), std::invalid_argument);
 }
 
 TEST(NearestPair, RefusesAPoseThatIsNotRigid) {

@@ -142,6 +142,11 @@ TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
   EXPECT_THAT(
       [&] {
+        nearestTriangle(cube, Triangle{{0, 0, 0}, {1, 0, 0}, {0, nan, 0}});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
+  EXPECT_THAT(
+      [&] {
         nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {-0.1, 0, 0});
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("max_relative_error is -0.1")));

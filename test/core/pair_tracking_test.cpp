@@ -145,11 +145,125 @@ TEST(PairTracker, LooksAtLessThanATenthOfTheBoxesOfASearch) {
   EXPECT_LT(tracked, searched / 10);
 }
 
+TEST(PairTracker, FollowsAToolThatTurnsAroundItsLowEnd) {
+  const CollisionMesh organ(test::blob(4));
+  Points points = test::blob(3).positions();
+  for (Vector3d& point : points) point = {0.1 * point.x(), 0.1 * point.y(), 4.0 * point.z()};
+  const CollisionMesh tool(TriangleMesh(points, test::blob(3).triangles()));
+  const Vector3d end(0.0, 0.0, tool.health().box.low.z());
+  PairTracker tracker;
+  for (int i = 0; i < 300; ++i) {
+    const Isometry3d pose = Eigen::Translation3d(0.0, 0.0, 0.6) *
+                            Eigen::AngleAxisd(0.01 * i, Vector3d::UnitX()) *
+                            Eigen::Translation3d(-end);
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestPair(tool, {}, pose, organ, {}), nearestPair(tool, pose, organ)));
+  }
+}
+
+TEST(PairTracker, FollowsNothingInAnotherHierarchyOfTheSecond) {
+  std::mt19937 generator(95);
+  const CollisionMesh first(test::blob(2));
+  const CollisionMesh former(test::soup(60, 7));
+  const CollisionMesh second(test::soup(60, 8));
+  for (int i = 0; i < 200; ++i) {
+    const Isometry3d pose = test::randomPose(generator, 1.5);
+    PairTracker tracker;
+    tracker.nearestPair(first, {}, pose, former, {});
+    ASSERT_NO_FATAL_FAILURE(expectSame(tracker.nearestPair(first, {}, pose, second, {1, 0.0}),
+                                       nearestPair(first, pose, second)));
+  }
+}
+
+/// A pose that is hardly rigid makes more of what the first moves by.
+TEST(PairTracker, FollowsAFirstThatMovesFartherThanItSaysOnceItIsPosed) {
+  const auto plate = [](Points& points, std::vector<Corners>& triangles, double x, double y) {
+    const TriangleMesh grid = test::grid(4, 4);
+    const std::size_t first = points.size();
+    for (const Vector3d& point : grid.positions())
+      points.emplace_back(x, y + 0.04 * point.x(), 0.04 * point.y());
+    for (const auto& [a, b, c] : grid.triangles())
+      triangles.push_back(test::corners(first + index(a), first + index(b), first + index(c)));
+  };
+  Points points, wall;
+  std::vector<Corners> triangles, wall_triangles;
+  plate(points, triangles, 0.3, 0.0);
+  const std::size_t moving = points.size();
+  plate(points, triangles, 1.0, 0.52);
+  plate(wall, wall_triangles, 0.0, 0.0);
+  plate(wall, wall_triangles, 0.0, 0.52);
+  CollisionMesh first(TriangleMesh(points, triangles));
+  const CollisionMesh second(TriangleMesh(wall, wall_triangles));
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear()(0, 0) = 1.03;
+  PairTracker tracker;
+  MeshMotion motion;
+  for (int i = 0; i < 400; ++i) {
+    ASSERT_NO_FATAL_FAILURE(expectSame(tracker.nearestPair(first, motion, pose, second, {}),
+                                       nearestPair(first, pose, second)));
+    for (std::size_t k = moving; k < points.size(); ++k) points[k].x() -= 0.002;
+    first.refit(points);
+    motion.travel += 0.0020001;
+  }
+}
+
+/// As large as that from its middle to its farthest side.
+Points blobOfReach(double reach) {
+  const CollisionMesh blob(test::blob(4));
+  Points points = blob.mesh().positions();
+  for (Vector3d& point : points) point *= 2.0 * reach / sizeOf(blob);
+  return points;
+}
+
+/// Then lengths are told in another unit.
+TEST(PairTracker, FollowsOverASurfaceThatOutgrowsAPowerOfTwo) {
+  CollisionMesh organ(TriangleMesh(blobOfReach(0.999), test::blob(4).triangles()));
+  const CollisionMesh tool(test::blob(3));
+  PairTracker tracker;
+  MeshMotion motion;
+  Isometry3d pose(Eigen::Translation3d(0.0, 0.0, 1.0));
+  const auto expect_same = [&] {
+    expectSame(tracker.nearestPair(tool, {}, pose, organ, motion), nearestPair(tool, pose, organ));
+  };
+  expect_same();
+  organ.refit(blobOfReach(1.001));
+  motion.travel += 0.01;
+  for (int i = 0; i < 50; ++i) {
+    pose.translation().x() += 0.005;
+    ASSERT_NO_FATAL_FAILURE(expect_same());
+  }
+}
+
+TEST(PairTracker, FollowsNothingFromWhereASurfaceWasToWhereItHadBeenBefore) {
+  std::mt19937 generator(93);
+  const CollisionMesh before(test::blob(4));
+  const CollisionMesh tool(test::blob(3));
+  Points positions = before.mesh().positions();
+  for (Vector3d& position : positions) position.x() += 0.05;
+  CollisionMesh after = before;
+  after.refit(positions);
+  for (int i = 0; i < 50; ++i) {
+    const Isometry3d pose = test::randomPose(generator, 0.3);
+    PairTracker as_first, as_second;
+    expectSame(as_first.nearestPair(after, {0, 0.05}, pose, tool, {}),
+               nearestPair(after, pose, tool));
+    expectSame(as_second.nearestPair(tool, {}, pose, after, {0, 0.05}),
+               nearestPair(tool, pose, after));
+    ASSERT_NO_FATAL_FAILURE(expectSame(as_first.nearestPair(before, {0, 0.0}, pose, tool, {}),
+                                       nearestPair(before, pose, tool)));
+    ASSERT_NO_FATAL_FAILURE(expectSame(as_second.nearestPair(tool, {}, pose, before, {0, 0.0}),
+                                       nearestPair(tool, pose, before)));
+  }
+}
+
 TEST(PairTracker, RefusesAPoseThatIsNotRigid) {
   const CollisionMesh cube(test::cube());
   Isometry3d pose = Isometry3d::Identity();
   pose.linear() *= 2.0;
-  EXPECT_THROW(PairTracker().nearestPair(cube, {}, pose, cube, {}), std::invalid_argument);
+  for (const double x : {0.0, 5.0}) {  // where they meet, and where they do not
+    pose.translation().x() = x;
+    EXPECT_THROW(PairTracker().nearestPair(cube, {}, pose, cube, {}), std::invalid_argument);
+  }
 }
 
 }  // namespace

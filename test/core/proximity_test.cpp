@@ -90,6 +90,57 @@ TEST(Proximity, UnitedIsTheNearerWithBoundsOfBoth) {
   }
 }
 
+TEST(Proximity, UnitedKnowsAsMuchAsBoth) {
+  Proximity inside = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 1}, 1});
+  inside.upper_bound = -0.25;
+  inside.work = {3, 5};
+  Proximity other = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 1.5}, 1});
+  other.colliding_certain = false;
+  other.work = {10, 20};
+  for (const Proximity& whole : {united(inside, other), united(other, inside)}) {
+    EXPECT_EQ(whole.distance, -1.0);
+    EXPECT_EQ(whole.upper_bound, -0.5);
+    EXPECT_EQ(whole.work.bounds, 13);
+    EXPECT_EQ(whole.work.triangles, 25);
+  }
+  Proximity apart = proximity(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 9}, 1});
+  apart.colliding_certain = false;
+  EXPECT_TRUE(united(inside, apart).colliding_certain);
+}
+
+TEST(Proximity, OfASphereThatReachesIntoAMeshHasTheNormalIntoIt) {
+  for (const double z : {1.25, 1.0, 0.75}) {  // of the centre
+    const Proximity crossing = proximity(Sphere{{0.5, 0.5, z}, 0.5}, cubeAt({0, 0, 0}));
+    EXPECT_EQ(crossing.distance, z - 1.5);
+    EXPECT_EQ(crossing.normal, Vector3d(0, 0, -1));
+    EXPECT_EQ(crossing.point_on_first, Vector3d(0.5, 0.5, z - 0.5));
+  }
+}
+
+TEST(Proximity, OfMeshesIsUncertainWhereTheAccuracyDoesNotDecideIt) {
+  const auto soup = std::make_shared<const CollisionMesh>(test::soup(500, 3));  // open
+  std::size_t uncertain = 0;
+  for (int i = 0; i < 20; ++i) {
+    const RigidMesh first = {soup, Isometry3d(Eigen::Translation3d(1.0, 0.1 * i, 0))};
+    const RigidMesh second = {soup, Isometry3d::Identity()};
+    const Proximity greedy = proximity(first, second, Accuracy::greedy());
+    if (greedy.colliding) continue;
+    EXPECT_EQ(greedy.colliding_certain, greedy.lower_bound > 0.0);
+    uncertain += greedy.colliding_certain ? 0 : 1;
+  }
+  EXPECT_GT(uncertain, 0U);
+}
+
+TEST(Proximity, RefusesWhatIsNotUsable) {
+  const Shape point = Vector3d(0, 0, 0);
+  const Shape unusable = Sphere{{0, 0, 0}, -1.0};
+  EXPECT_THROW(proximity(unusable, point), std::invalid_argument);
+  EXPECT_THROW(proximity(point, unusable), std::invalid_argument);
+  EXPECT_THROW(
+      ProximityTracker().proximity(cubeAt({0, 0, 0}), {}, cubeAt({5, 0, 0}), {}, {-1.0, 0, 0}),
+      std::invalid_argument);
+}
+
 // Random pairs.
 
 Shape randomShape(std::mt19937& generator) {

@@ -135,6 +135,52 @@ TEST(Sign, HoldsNextToCapsWithoutArea) {
   }
 }
 
+/// However turned: then the cap's normal is what rounding makes of it.
+TEST(Sign, HoldsNextToCapsThatAreThinnerThanRounding) {
+  Points points = test::cube().positions();
+  points.emplace_back(0.25, 0.0, 1.0);
+  std::vector<Corners> triangles = test::cube().triangles();
+  triangles[2] = corners(8, 5, 6);
+  triangles.push_back(corners(4, 8, 6));
+  triangles.push_back(corners(4, 5, 8));  // the cap
+  std::mt19937 generator(23);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Isometry3d pose = test::randomPose(generator, 1.0);
+    Points turned = points;
+    for (Eigen::Vector3d& point : turned) point = pose * point;
+    const CollisionMesh cube(TriangleMesh(turned, triangles));
+    for (int k = 0; k < 100; ++k) {
+      const Eigen::Vector3d point = Eigen::Vector3d(0.25, 0.0, 1.0) + randomPoint(generator, 0.2);
+      const bool is_inside = point.y() > 0.0 && point.z() < 1.0 && point.x() > 0.0;
+      ASSERT_EQ(distance(cube, pose * point) < 0.0, is_inside);
+    }
+  }
+}
+
+TEST(Sign, IsThatOfTheWindingNumberAsNearAsCanBe) {
+  std::mt19937 generator(25);
+  const CollisionMesh organ(test::blob(2));
+  for (int i = 0; i < 20000; ++i) {
+    const Triangle t =
+        organ.mesh().triangle(TriangleId(generator() % organ.mesh().triangleCount()));
+    const Eigen::Vector3d weights = randomPoint(generator, 1.0).cwiseAbs();
+    const Eigen::Vector3d on =
+        (weights.x() * t.a + weights.y() * t.b + weights.z() * t.c) / weights.sum();
+    const double found = distance(organ, on);
+    if (found == 0.0) continue;
+    ASSERT_EQ(found < 0.0, windingNumber(organ, on) != 0);
+  }
+}
+
+TEST(Pseudonormal, IsAUnitVectorHoweverShortAnEdgeIs) {
+  const double tiny = 0x1p-600;
+  for (const Points& points :
+       {Points{{0, 0, 0}, {1, 0, 0}, {0, tiny, 0}}, Points{{0, 0, 0}, {tiny, 0, 0}, {0, 1, 0}}}) {
+    const CollisionMesh organ(TriangleMesh(points, {corners(0, 1, 2)}));
+    EXPECT_EQ(pseudonormal(organ, TriangleId{0}, Feature::kFace), Eigen::Vector3d(0, 0, 1));
+  }
+}
+
 TEST(Pseudonormal, OfACubesVertexIsItsDiagonal) {
   const CollisionMesh cube(test::cube());
   const NearestTriangle nearest = nearestTriangle(cube, Eigen::Vector3d(2, 2, 2));

@@ -185,34 +185,14 @@ TEST(Tracker, ProvesTheSignWhenItIsAskedAgain) {
 
 TEST(Tracker, FollowsFromAPointToATriangleAndBack) {
   const CollisionMesh organ(test::blob(4));
-  const auto& [low, high] = organ.health().box;
   Tracker tracker;
-  const Eigen::Vector3d point = high + Eigen::Vector3d(0.1, 0.1, 0.1);
-  const Triangle beside = {point, point + Eigen::Vector3d(0.01, 0.0, 0.0),
-                           point + Eigen::Vector3d(0.0, 0.01, 0.0)};
-  const Triangle long_one = {point, beside.b, {low.x(), low.y(), high.z() + 0.01}};
-  for (const Triangle& triangle : {beside, long_one}) {
-    for (int repeats = 0; repeats < 4; ++repeats)  // so that a miss is worth a walk
-      expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
+  const Eigen::Vector3d point(0.1, 0.1, 0.1);
+  const Triangle triangle = {point, {0.11, 0.1, 0.1}, {0.1, 0.11, 0.0}};
+  for (const int unused : {0, 1}) {
+    static_cast<void>(unused);
     expectSame(tracker.nearestTriangle(organ, {}, point), nearestTriangle(organ, point));
     expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
   }
-}
-
-TEST(Tracker, TakesNoNormalFromTheMeshBefore) {
-  const CollisionMesh organ(test::blob(4));
-  const Triangle face = organ.mesh().triangle(TriangleId{100});
-  const Eigen::Vector3d middle = centroid(face);
-  Points tilted = organ.mesh().positions();
-  const Eigen::AngleAxisd turn(0.05, (face.b - face.a).normalized());
-  for (Eigen::Vector3d& position : tilted) position = middle + turn * (position - middle);
-  const CollisionMesh next(TriangleMesh(tilted, organ.mesh().triangles()));
-  const Eigen::Vector3d tip = middle + 0.01 * (middle - face.a).norm() * middle.normalized();
-  Tracker tracker;
-  const NearestTriangle before = tracker.nearestTriangle(organ, {1, 0.0}, tip);
-  const NearestTriangle after = tracker.nearestTriangle(next, {2, 0.0}, tip);
-  EXPECT_EQ(before.triangle, after.triangle);
-  expectSame(after, nearestTriangle(next, tip));
 }
 
 /// What 1000 tips cost, each `next` of the one before.
@@ -275,11 +255,77 @@ TEST(Tracker, SearchesFromNothingInAnotherHierarchy) {
   }
 }
 
+TEST(Tracker, FollowsFromAPointToATriangleOfWhichOtherCornersWereKnown) {
+  const CollisionMesh organ(test::blob(4));
+  Tracker tracker;
+  const Eigen::Vector3d above(0.0, 0.0, 0.5), beside(0.3, 0.0, 0.3);
+  const Triangle triangle = {above, {-0.1, 0.0, 0.06}, {-0.1, 0.01, 0.06}};
+  const Triangle moved_corner = {beside, triangle.b, triangle.c};
+  expectSame(tracker.nearestTriangle(organ, {}, triangle), nearestTriangle(organ, triangle));
+  for (int i = 0; i < 4; ++i)  // until it is followed
+    expectSame(tracker.nearestTriangle(organ, {}, beside), nearestTriangle(organ, beside));
+  expectSame(tracker.nearestTriangle(organ, {}, moved_corner),
+             nearestTriangle(organ, moved_corner));
+}
+
+/// Then lengths are told in another unit.
+TEST(Tracker, FollowsOverAMeshThatOutgrowsAPowerOfTwo) {
+  const Points positions = test::blob(4).positions();
+  const Box box = CollisionMesh(test::blob(4)).health().box;
+  const double reach = 0.5 * (box.high - box.low).maxCoeff();
+  const auto scaled = [&](double wanted_reach) {
+    Points points = positions;
+    for (Eigen::Vector3d& point : points) point *= wanted_reach / reach;
+    return points;
+  };
+  CollisionMesh organ(TriangleMesh(scaled(0.999), test::blob(4).triangles()));
+  Tracker tracker;
+  MeshMotion motion;
+  Eigen::Vector3d tip(0.0, 0.0, 1.5);
+  expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip));
+  organ.refit(scaled(1.001));
+  motion.travel += 0.01;
+  for (int i = 0; i < 50; ++i) {
+    tip.x() += 0.02;
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, motion, tip), nearestTriangle(organ, tip)));
+  }
+}
+
+TEST(Tracker, FollowsNothingFromWhereTheMeshWasToWhereItHadBeenBefore) {
+  std::mt19937 generator(38);
+  const CollisionMesh before(test::blob(4));
+  Points positions = before.mesh().positions();
+  for (Eigen::Vector3d& position : positions) position.x() += 0.05;
+  CollisionMesh after = before;
+  after.refit(positions);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d tip = randomPoint(generator, 0.3);
+    Tracker tracker;
+    expectSame(tracker.nearestTriangle(after, {0, 0.05}, tip), nearestTriangle(after, tip));
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(before, {0, 0.0}, tip), nearestTriangle(before, tip)));
+  }
+}
+
+TEST(Tracker, ForgetsTheNormalOfAnotherHierarchy) {
+  const Eigen::Vector3d tip(0.2, 0.2, 1.0);
+  Tracker tracker;
+  for (const std::uint64_t build : {0, 1}) {
+    const double height = 0.5 * static_cast<double>(build);
+    const CollisionMesh organ(
+        TriangleMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, height}}, {test::corners(0, 1, 2)}));
+    expectSame(tracker.nearestTriangle(organ, {build, 0.0}, tip), nearestTriangle(organ, tip));
+  }
+}
+
 TEST(Tracker, RefusesATipThatIsNotANumber) {
   const CollisionMesh organ(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Tracker().nearestTriangle(organ, {}, Eigen::Vector3d(0, nan, 0)),
                std::invalid_argument);
+  const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, nan, 0}};
+  EXPECT_THROW(Tracker().nearestTriangle(organ, {}, triangle), std::invalid_argument);
 }
 
 }  // namespace

@@ -188,6 +188,13 @@ TEST_F(MeshFormats, RefusesABadPly) {
   EXPECT_THAT(with("3 0 1 2", "inf 0 1 2"), HasSubstr("the file ends here, but a number"));
   EXPECT_THAT(with("3 0 1 2", "3 0 1"), HasSubstr("the file ends here, but a number is wanted"));
   EXPECT_THAT(with("3 0 1 2", "3 0 1 2\n3 0 1 2"), HasSubstr("more follows than the header says"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 2 2"), HasSubstr("more follows than the header says"));
+  EXPECT_THAT(with("3 0 1 2", "3.5 0 1 2 0"), HasSubstr("list vertex_indices has 3.5"));
+  EXPECT_THAT(with("element face", "element vertex 0\nelement face"),
+              HasSubstr("must have one element vertex"));
+  EXPECT_THAT(with("float x", "list uchar float x"), HasSubstr("must have one number x"));
+  EXPECT_EQ(with("ply\n", "ply\ncomment before the format\n"), "");
+  EXPECT_THAT(with("ply\n", "ply\n\nformat\n"), HasSubstr("line 3: word 2 must be one of"));
   const std::string endless = "element void 1000000000000000\nelement face";
   EXPECT_THAT(with("element face", endless), HasSubstr("element void has no property"));
 }

@@ -185,6 +185,23 @@ TEST_F(MeshIo, KeepsItsTimeLimit) {
   EXPECT_THAT(messageOf([&] { loadMesh(file, 1.0, limits); }), HasSubstr("took longer than 0 s"));
 }
 
+TEST_F(MeshIo, AllowsMoreTimeAndMemoryForALargerFile) {
+  const auto file = folder_.write("m.obj", obj(awkwardShape()));
+  LoadLimits limits;
+  limits.seconds = 0.0;
+  limits.seconds_per_megabyte = 1e6;
+  EXPECT_EQ(loadMesh(file, 1.0, limits).triangleCount(), 6u);
+  limits = {};
+  limits.memory = 0;
+  limits.memory_per_byte = 1'000'000;
+  EXPECT_EQ(loadMesh(file, 1.0, limits).triangleCount(), 6u);
+}
+
+TEST_F(MeshIo, ReadsPlyItselfInCapitalsToo) {
+  EXPECT_THAT(messageOf([&] { loadMesh(folder_.write("m.PLY", "plx\n")); }),
+              HasSubstr("the word ply is wanted"));
+}
+
 TEST_F(MeshIo, RefusesAScaleThatIsNotAboveZero) {
   const auto file = folder_.write("m.obj", obj(awkwardShape()));
   for (const double scale : {0.0, -1.0, std::nan(""), HUGE_VAL}) {

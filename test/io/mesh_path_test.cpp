@@ -53,6 +53,12 @@ TEST_F(ResolveMesh, TakesPlainPaths) {
   std::filesystem::current_path(before);
 }
 
+TEST_F(ResolveMesh, TakesAColonBehindASlashForPartOfAName) {
+  std::filesystem::create_directory(root() / "09:30");
+  std::filesystem::copy_file(root() / "secret.obj", root() / "09:30/liver.obj");
+  EXPECT_EQ(resolve((root() / "09:30/liver.obj").string()), root() / "09:30/liver.obj");
+}
+
 TEST_F(ResolveMesh, FollowsLinks) {
   EXPECT_EQ(resolve((root() / "alias/meshes/link.obj").string()), root() / "secret.obj");
 }

@@ -78,6 +78,8 @@ TEST(Sandbox, SurvivesACrash) {
 TEST(Sandbox, SaysThatTheChildLeftWithoutAnAnswer) {
   const auto job = []() -> std::string { ::_exit(3); };
   EXPECT_EQ(messageOf([&] { run(job); }), "the job: ended with exit code 3");
+  const auto leaves_quietly = []() -> std::string { ::_exit(0); };
+  EXPECT_THROW(run(leaves_quietly), std::runtime_error);
 }
 
 TEST(Sandbox, EndsAHangAtTheLimit) {

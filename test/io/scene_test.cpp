@@ -245,6 +245,8 @@ TEST(Scene, RefusesPairsThatMeanNothing) {
             "scene.pairs[1]: the pair is listed before");
   EXPECT_EQ(refusal(withPairs({Value(List{"left"})})),
             "scene.pairs[0]: a list of 1, but it must be a list of 2");
+  EXPECT_EQ(refusal(withPairs({Value(List{"left", "liver", "stomach"})})),
+            "scene.pairs[0]: a list of 3, but it must be a list of 2");
   EXPECT_EQ(refusal(withPairs({"left"})), "scene.pairs[0]: 'left', but it must be a list of 2");
 }
 

@@ -24,6 +24,8 @@ TEST(Arguments, TellsWordsFromOptions) {
   EXPECT_EQ(arguments.option("--scale"), std::nullopt);
 }
 
+TEST(Arguments, TakesADashAloneForAWord) { EXPECT_THAT(parsed({"-"}).words(), ElementsAre("-")); }
+
 TEST(Arguments, FallsBackWhereAnOptionIsNotGiven) {
   EXPECT_EQ(parsed({}).whole("--seed", 3), 3U);
   EXPECT_EQ(parsed({}).aboveZero("--scale", 0.5), 0.5);

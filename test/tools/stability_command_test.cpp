@@ -47,6 +47,10 @@ TEST_F(MeasureStabilityCommand, GivesTheSameTableForTheSameSeedOnly) {
             table.substr(0, table.find("\nrandom,point") + 30));
 }
 
+TEST_F(MeasureStabilityCommand, TakesAsFewSamplesAsOneTipNeeds) {
+  EXPECT_EQ(run({"--output", folder("few"), "--samples", "100"}).exit_code, 0);
+}
+
 TEST_F(MeasureStabilityCommand, ShowsHowItIsUsed) {
   const Outcome done = run({"--help"});
   EXPECT_EQ(done.exit_code, 0);

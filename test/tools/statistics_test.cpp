@@ -66,6 +66,13 @@ constexpr int kTrials = 300;
 constexpr int kFewest = 270;
 constexpr int kMost = 296;
 
+TEST(WilsonInterval, StaysBetweenNoneAndAll) {
+  for (std::size_t trials = 1; trials < 1000; ++trials) {
+    EXPECT_GE(wilsonInterval(0, trials).low, 0.0) << trials;
+    EXPECT_LE(wilsonInterval(trials, trials).high, 1.0) << trials;
+  }
+}
+
 TEST(BootstrapMean, HoldsTheTrueMeanNineteenTimesInTwenty) {
   const int covered = coverage(1.0, kTrials, bootstrapMean);
   EXPECT_GE(covered, kFewest);
@@ -115,6 +122,12 @@ TEST(BootstrapPercentile, IsWhatManyResamplesTendTo) {
   const Interval interval = bootstrapPercentile(samples, 0.9);
   EXPECT_NEAR(interval.low, percentile(percentiles, 0.025), kNeighbour);
   EXPECT_NEAR(interval.high, percentile(percentiles, 0.975), kNeighbour);
+}
+
+TEST(BootstrapPercentile, OfTwoSamplesIsBetweenThem) {
+  const Interval of_median = bootstrapPercentile({0.0, 1.0}, 0.5);
+  EXPECT_EQ(of_median.low, 0.0);  // that of three resamples in four
+  EXPECT_EQ(of_median.high, 1.0);
 }
 
 TEST(BootstrapPercentile, OfTheMaximumEndsAtTheMaximum) {

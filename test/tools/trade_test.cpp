@@ -68,6 +68,14 @@ TEST_F(Violation, IsATruthOutsideTheBounds) {
   EXPECT_TRUE(isViolated(answerOf(-1.5, -1.5, -1.1, true), kInside, leaves_, kRounding));
 }
 
+TEST_F(Violation, IsADistanceBelowTheTruth) {
+  EXPECT_TRUE(isViolated(answerOf(0.9, 0.5, 1.5), kOutside, leaves_, kRounding));
+}
+
+TEST_F(Violation, IsNoSideOfATruthThatMayBeRounding) {
+  EXPECT_FALSE(isViolated(answerOf(0.0, 0.0, 0.0, true), -0.5 * kRounding, leaves_, kRounding));
+}
+
 TEST_F(Violation, IsADistanceBeyondThePromise) {
   const core::Accuracy relative = {0.1, 0.0, 0};
   const core::Accuracy absolute = {0.0, 0.2, 0};
