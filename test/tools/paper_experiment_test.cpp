@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "brute_force.h"
+#include "io/temporary_folder.h"
 #include "organ_collision/core/box.h"
 #include "paper_hierarchy.h"
 #include "tools/paper_command.h"
@@ -211,16 +212,14 @@ struct Command {
 };
 
 TEST(ReproducePaper, WritesTheTableAndTheFigureAndSaysWhere) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "organ_collision_paper" / "new";
-  std::filesystem::remove_all(folder);
+  const io::TemporaryFolder temporary;
+  const std::filesystem::path folder = temporary.path() / "new";
   const Command run({"--output", folder.string(), "--steps", "5", "--seed", "3"});
   EXPECT_EQ(run.code, 0) << run.errors.str();
   for (const char* name : {"paper_table1.csv", "paper_fig4.svg"}) {
     EXPECT_GT(std::filesystem::file_size(folder / name), 1000U);
     EXPECT_NE(run.out.str().find((folder / name).string()), std::string::npos);
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST(ReproducePaper, RefusesWrongArgumentsAndNamesThem) {
