@@ -98,6 +98,7 @@ TEST_F(ProximityCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   place("world", "right_tip", {0, 0, 2}, ros::Time(100.0));  // culled by its box
   EXPECT_EQ(proximities(ros::Time(100.0)).proximities[0].status, Contact::OUT_OF_RANGE);
   EXPECT_EQ(proximities(ros::Time(100.0)).proximities[0].lower_bound, 1.25);
+  EXPECT_TRUE(proximities(ros::Time(100.0)).proximities[0].colliding_certain);
   EXPECT_EQ(proximities(ros::Time(100.0)).proximities[1].lower_bound, 2.0);
   place("world", "left_tip", {0, 0, 0}, ros::Time(100.1));
   place("world", "right_tip", {1.4, 0, 1.4}, ros::Time(100.1));  // by what is found
@@ -105,6 +106,7 @@ TEST_F(ProximityCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_EQ(far.status, Contact::OUT_OF_RANGE);
   EXPECT_NEAR(far.lower_bound, 1.4 * std::sqrt(2.0) - 0.75, 1e-15);
   EXPECT_EQ(far.distance, kInfinity);
+  EXPECT_TRUE(far.colliding_certain);
 }
 
 TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
