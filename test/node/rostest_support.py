@@ -257,7 +257,7 @@ class Frames:
     def __init__(self, *nodes):
         for node in nodes or ["organ_collision"]:
             rospy.wait_for_service(node + "/get_mesh", PATIENCE)
-        self._moving = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+        self._moving = rospy.Publisher("/tf", TFMessage, queue_size=10000, tcp_nodelay=True)
         self._static = rospy.Publisher("/tf_static", TFMessage, queue_size=100, latch=True)
         for publisher in (self._moving, self._static):
             wait_until(lambda: publisher.get_num_connections() >= max(1, len(nodes)), "listeners to tf")

@@ -127,7 +127,7 @@ class Statuses(unittest.TestCase):
             self.frames.put(("liver", tip, self.above(0.01)))  # once
             for _ in range(200):  # more than wait here for one of ten cycles a second
                 self.frames.put(("liver", "other", Pose()))
-                time.sleep(0.0001)
+                time.sleep(0.0005)
         slow.wait_for(lambda array: all(contact_of(array, tip).status != Contact.NO_POSE for tip in tips))
 
 
