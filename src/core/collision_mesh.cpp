@@ -71,7 +71,7 @@ std::vector<TriangleId> CollisionMesh::trianglesAt(const std::vector<VertexId>& 
   return triangles;
 }
 
-bool CollisionMesh::isVolumeDoubtful() const {
+bool CollisionMesh::isPerhapsFlat() const {
   const HealthTally& tally = wide_tree_.tally();
   return topology_->closed() && topology_->consistentlyWound() &&
          std::abs(tally.volume) <= tally.rounding;
@@ -79,7 +79,7 @@ bool CollisionMesh::isVolumeDoubtful() const {
 
 void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
-  if (isVolumeDoubtful()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
+  if (isPerhapsFlat()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
   tally.parted_corners = parted_corners_;
   health_ = healthOf(*topology_, box, tally);
 }
@@ -109,7 +109,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     return;
   }
   wide_tree_.refit(mesh_, moved, touched);
-  if (isVolumeDoubtful()) {
+  if (isPerhapsFlat()) {
     refitAll(box);
     return;
   }

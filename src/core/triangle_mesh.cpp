@@ -1,7 +1,6 @@
 #include "organ_collision/core/triangle_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
@@ -19,8 +18,6 @@ void requireFewEnough(std::size_t count, const char* what) {
                               ": more than 32-bit indices allow");
 }
 
-bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordinate; }
-
 /// Apart from the question, which every query asks.
 [[noreturn]] void refuse(const Eigen::Vector3d& position, const char* what, std::size_t number) {
   std::ostringstream message;
@@ -34,11 +31,11 @@ bool isUsable(double coordinate) { return std::abs(coordinate) < kLargestCoordin
 Box requireAllUsable(const Points& positions) {
   if (positions.empty()) return {};
   const auto [low, high, finite] = boxOfPoints(positions.front().data(), positions.size());
-  if (!finite || !std::all_of(low.begin(), low.end(), isUsable) ||
-      !std::all_of(high.begin(), high.end(), isUsable)) {
+  const Box box = {Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
+  if (!finite || !isUsable(box.low) || !isUsable(box.high)) {
     for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
   }
-  return {Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
+  return box;
 }
 
 /// (low + high) + middle: the same bits for every order of the three, and for their negatives.
@@ -51,8 +48,12 @@ double sumInAnyOrder(double p, double q, double r) {
 
 }  // namespace
 
+bool isUsable(const Eigen::Vector3d& position) {
+  return (position.array().abs() < kLargestCoordinate).all();
+}
+
 void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
-  if (!(position.array().abs() < kLargestCoordinate).all()) refuse(position, what, number);
+  if (!isUsable(position)) refuse(position, what, number);
 }
 
 TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)

@@ -223,9 +223,10 @@ core::Accuracy parseAccuracy(const Field& field) {
   const auto up_to = [](double most) {
     return [most](const Field& number) { return number.upTo(most); };
   };
-  // As cfg/OrganCollision.cfg allows: what is above would be changed with the first other setting.
-  readIfGiven(field, "max_relative_error", accuracy.max_relative_error, up_to(10.0));
-  readIfGiven(field, "max_absolute_error", accuracy.max_absolute_error, up_to(1.0));
+  readIfGiven(field, "max_relative_error", accuracy.max_relative_error,
+              up_to(kLargestRelativeError));
+  readIfGiven(field, "max_absolute_error", accuracy.max_absolute_error,
+              up_to(kLargestAbsoluteError));
   readIfGiven(field, "max_leaves", accuracy.max_leaves, &Field::count);
   return accuracy;
 }

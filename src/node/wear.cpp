@@ -77,8 +77,7 @@ std::optional<Eigen::Vector3d> carriedBack(const Eigen::Vector3d& tip, const Col
   const auto frame_then = frame_in(as_built);
   if (!frame_now || !frame_then) return std::nullopt;
   const Eigen::Vector3d tip_then = *frame_then * (frame_now->inverse() * tip);
-  if (!(tip_then.array().abs() < core::kLargestCoordinate).all()) return std::nullopt;
-  return tip_then;
+  return core::isUsable(tip_then) ? std::optional(tip_then) : std::nullopt;
 }
 
 }  // namespace

@@ -172,6 +172,27 @@ TEST(Sign, IsThatOfTheWindingNumberAsNearAsCanBe) {
   }
 }
 
+/// Turned: then rounding makes what is left of the thickness.
+TEST(Sign, OfASolidThatIsPressedFlatIsThatOfTheWindingNumber) {
+  std::mt19937 generator(24);
+  for (const TriangleMesh& mesh : {test::cube(), test::blob(2)}) {
+    CollisionMesh organ(mesh);
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Isometry3d pose = test::randomPose(generator, 1.0);
+      Points flat = mesh.positions();
+      for (Eigen::Vector3d& point : flat) point = pose * Eigen::Vector3d(point.x(), point.y(), 0.0);
+      organ.refit(flat);
+      ASSERT_TRUE(organ.isPerhapsFlat());
+      for (int k = 0; k < 200; ++k) {
+        const Eigen::Vector3d tip = flat[generator() % flat.size()] + randomPoint(generator, 0.1);
+        ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
+      }
+    }
+    organ.refit(mesh.positions());
+    EXPECT_FALSE(organ.isPerhapsFlat());
+  }
+}
+
 TEST(Pseudonormal, IsAUnitVectorHoweverShortAnEdgeIs) {
   const double tiny = 0x1p-600;
   for (const Points& points :

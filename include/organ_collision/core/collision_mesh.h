@@ -24,6 +24,10 @@ class CollisionMesh {
   const WideTree& wideTree() const { return wide_tree_; }
   const MeshHealth& health() const { return health_; }
 
+  /// Closed, and so flat that rounding may have made all of its volume: faces of both sides are
+  /// equally near then, and no normal tells which is the outer one.
+  bool isPerhapsFlat() const;
+
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
   /// std::invalid_argument and changes nothing if the positions do not fit the mesh (see
   /// TriangleMesh::setPositions()).
@@ -47,7 +51,6 @@ class CollisionMesh {
 
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
   void refitAll(const Box& box);
-  bool isVolumeDoubtful() const;
   void updateHealth(const Box& box);
 
   TriangleMesh mesh_;

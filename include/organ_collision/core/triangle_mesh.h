@@ -13,8 +13,9 @@ namespace organ_collision::core {
 /// overflow.
 constexpr double kLargestCoordinate = 1e150;
 
-/// Throws std::invalid_argument naming `what` and its `number` unless all coordinates are finite
-/// and of a magnitude below kLargestCoordinate.
+/// All coordinates are finite and of a magnitude below kLargestCoordinate.
+bool isUsable(const Eigen::Vector3d& position);
+/// Throws std::invalid_argument naming `what` and its `number` unless the position is usable.
 void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number);
 
 /// Triangles over shared vertices, numbered as in the file that they came from.

@@ -52,6 +52,10 @@ struct LikePair {
   std::size_t first, second;  ///< indices into Scene::instruments or Scene::organs
 };
 
+/// Of a scene's accuracy; as far as dynamic_reconfigure goes, too.
+constexpr double kLargestRelativeError = 10.0;
+constexpr double kLargestAbsoluteError = 1.0;  // [m]
+
 /// What the parameter `scene` says: who is compared with whom, and how.
 struct Scene {
   std::string frame;  ///< tf frame of everything published
