@@ -5,6 +5,7 @@ import numpy as np
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of what draws)
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter  # noqa: E402
 
 YARDSTICK = "Embree"
 KNOWN = "Embree, previous known"
@@ -52,6 +53,7 @@ def draw_growth(organs, file):
                             linestyle="-" if i < len(COLOURS) else "--")
         axis.set(title=task, xlabel="triangles", ylabel="time per query [ns]")
         axis.grid(alpha=0.3)
+        axis.tick_params(labelbottom=True)
     figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="lower center", ncol=4)
     figure.tight_layout(rect=(0, 0.1, 1, 1))
     figure.savefig(file)
@@ -76,8 +78,8 @@ def draw_updates(organs, file):
                         for task, entry in one["update"].items() if task != "build" and who in entry)
         if points:
             axes[2].loglog(*zip(*points), **styles[who])
-    axes[2].set(title=f"follow some vertices, {thousands(one['triangles'])} triangles", xlabel="vertices moved",
-                ylabel="time [ms]")
+    axes[2].set(title=f"follow moved vertices, {thousands(one['triangles'])} triangles",
+                xlabel="vertices moved (dots at the right: all)", ylabel="time [ms]")
     for axis in axes:
         axis.grid(alpha=0.3)
     figure.legend([plt.Line2D([], [], **styles[who]) for who in names], names, loc="lower center", ncol=5)
@@ -95,7 +97,11 @@ def draw_latency(nodes, file):
             axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
         axis.set(xscale="log", ylabel="share of tips")
         axis.set_title(f"{priority} priority", loc="left", fontsize="medium", pad=16)
-    all_axes[-1, 0].set_xlabel("from the transform sent to the contact received [us]")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        axis.tick_params(labelbottom=True)
+    all_axes[-1, 0].set_xlabel("from the transform sent to the contact received [µs]")
     figure.tight_layout()
     figure.savefig(file)
 

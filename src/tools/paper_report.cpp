@@ -172,7 +172,7 @@ Figure paperFigure(const std::vector<PaperRow>& rows) {
         series("exact", colours::kBlue, rows, boxes)}},
       {"How often the answer is a nearest triangle",
        size,
-       {"[%]"},
+       {"queries [%]"},
        {series("greedy (the paper)", colours::kOrange, rows, share), limit(rows, lowShare),
         limit(rows, highShare),
         series("exact", colours::kBlue, rows, [](const PaperRow&) { return kPerCent; })}}};

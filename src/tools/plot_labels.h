@@ -12,17 +12,17 @@ class Labels {
  public:
   explicit Labels(const Rectangle& area) : area_(area) {}
 
+  /// No words over a marker.
   void keepClear(double x, double y);
 
   /// Draws `words` at the nearest free place round (x, y), with a thin line if that is not beside
-  /// it.
+  /// it. Such lines cross neither words nor each other.
   std::string place(double x, double y, const std::string& words, const std::string& colour);
 
  private:
-  bool isTaken(const Rectangle& box) const;
-
   Rectangle area_;
-  std::vector<Rectangle> taken_;
+  std::vector<Rectangle> markers_;
+  std::vector<Rectangle> drawn_;  // words, and lines in short pieces
 };
 
 }  // namespace organ_collision::tools

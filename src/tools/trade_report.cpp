@@ -240,7 +240,7 @@ PlotSeries front(const std::vector<Summary>& summaries) {
 
 Plot plotOf(const BandTrade& band) {
   Plot plot{band.name,
-            {"median time of a query [us]", true},
+            {"median time of a query [µs]", true},
             {"p99 of the error [mm]", true, "no error"},
             {front(band.summaries)}};
   const std::vector<Setting> settings = dial();
@@ -344,8 +344,8 @@ Figure figure(const Trade& trade) {
   result.title = "Speed against accuracy on " + trade.mesh + ", " +
                  std::to_string(trade.triangles) + " triangles";
   result.note =
-      "Left is faster, down is more accurate. Filled and named: no other setting is better in "
-      "both.";
+      "Left is faster, down is more accurate. Filled: no other setting is better in both; these, "
+      "greedy and exact are named.";
   result.columns = 3;
   result.plot_width = 330.0;
   result.plot_height = 300.0;

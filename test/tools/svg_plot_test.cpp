@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <regex>
 
 namespace organ_collision::tools {
@@ -122,6 +123,44 @@ TEST(Svg, PlacesLabelsOfNeighboursApart) {
   constexpr double kLetterHeight = 11.0;  // [px]
   EXPECT_TRUE(std::abs(place("first").y - place("second").y) >= kLetterHeight ||
               std::abs(place("first").x - place("second").x) >= 5.0 * kLetterHeight);
+}
+
+struct Line {
+  double x1, y1, x2, y2;
+  /// On which side of it a point is: > 0, < 0.
+  double sideOf(double x, double y) const { return (x2 - x1) * (y - y1) - (y2 - y1) * (x - x1); }
+  bool separates(const Line& other) const {
+    return sideOf(other.x1, other.y1) * sideOf(other.x2, other.y2) < 0.0;
+  }
+  /// Without what its point's marker hides.
+  Line shown() const {
+    const double hidden = 6.0 / std::hypot(x2 - x1, y2 - y1);
+    return {x1 + hidden * (x2 - x1), y1 + hidden * (y2 - y1), x2, y2};
+  }
+};
+
+TEST(Svg, LeadsToLabelsByLinesThatDoNotCross) {
+  const std::regex leader(
+      "<line x1=\"([0-9.]+)\" y1=\"([0-9.]+)\" x2=\"([0-9.]+)\" y2=\"([0-9.]+)\" "
+      "stroke=\"#aaaaaa\"");
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> place(4.5, 5.5);
+  std::size_t count = 0;
+  for (int i = 0; i < 100; ++i) {
+    std::vector<PlotPoint> crowd = {{0, 0}, {10, 10}};
+    for (int k = 0; k < 8; ++k) crowd.push_back({place(generator), place(generator), "number"});
+    const std::string document = svg(figureOf({"x"}, {"y"}, crowd));
+    std::vector<Line> lines;
+    for (std::sregex_iterator k(document.begin(), document.end(), leader), end; k != end; ++k)
+      lines.push_back(
+          Line{std::stod((*k)[1]), std::stod((*k)[2]), std::stod((*k)[3]), std::stod((*k)[4])}
+              .shown());
+    count += lines.size();
+    for (const Line& one : lines) {
+      for (const Line& other : lines) ASSERT_FALSE(one.separates(other) && other.separates(one));
+    }
+  }
+  EXPECT_GT(count, 100U);
 }
 
 }  // namespace
