@@ -7,7 +7,10 @@
 #include <fcl/narrowphase/detail/failed_at_this_configuration.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -160,24 +163,25 @@ std::optional<Found> overlapping(Hull first, Hull second) {
   return found;
 }
 
-Found swapped(Found found) {
-  std::swap(found.on_first, found.on_second);
+std::optional<Found> swapped(std::optional<Found> found) {
+  if (found) std::swap(found->on_first, found->on_second);
   return found;
 }
 
 /// GJK takes some in a hundred thousand pairs that overlap to be apart, and EPA ends too early for
 /// as many: each is asked, EPA of the swapped pair too, until the gap proves the answer.
 std::optional<Found> ask(const Hull& first, const Hull& second) {
-  std::optional<Found> best = separated(first, second);
-  const auto is_proven = [&] { return best && leftOpen(*best, first, second) <= kProven; };
-  const auto consider = [&](const std::optional<Found>& other) {
-    if (!other) return;
-    if (!best || leftOpen(*other, first, second) < leftOpen(*best, first, second)) best = other;
-  };
-  if (!is_proven()) consider(overlapping(first, second));
-  if (!is_proven()) {
-    const std::optional<Found> other = overlapping(second, first);
-    if (other) consider(swapped(*other));
+  const std::array<std::function<std::optional<Found>()>, 3> attempts = {
+      [&] { return separated(first, second); }, [&] { return overlapping(first, second); },
+      [&] { return swapped(overlapping(second, first)); }};
+  std::optional<Found> best;
+  double left_open = std::numeric_limits<double>::infinity();
+  for (const auto& attempt : attempts) {
+    const std::optional<Found> found = attempt();
+    if (!found || !(leftOpen(*found, first, second) < left_open)) continue;
+    best = found;
+    left_open = leftOpen(*found, first, second);
+    if (left_open <= kProven) break;
   }
   return best;
 }

@@ -37,9 +37,9 @@ struct ClosestPoint {
 /// Input below kLargestCoordinate never gives NaN. Scaling it by a power of two scales the answer
 /// and changes no other bit, unless a square underflows (distances below 1e-150 m). `offset` lies
 /// within the box of the corners relative to the query, rounded: no box bound on a set of
-/// triangles, computed in the same arithmetic, can exceed the distance returned here. Cost: about
-/// 50 ns, half that where a corner is nearest, twice near an edge or the surface.
+/// triangles, computed in the same arithmetic, can exceed the distance returned here.
 ///
+/// Cost: some 40 ns, a third of that where a corner is nearest (benchmark/triangle_benchmark).
 /// Source: three clamped segments and a face candidate; W. Kahan, "Mathematics written in sand"
 /// (1983), for the difference of products.
 ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle);

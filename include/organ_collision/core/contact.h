@@ -25,7 +25,8 @@ struct Contact {
 };
 
 /// `shape` is in the organ's frame; the promises of `accuracy` hold for the distance of the whole
-/// shape. Throws as nearestTriangle() and requireUsable() do.
+/// shape. Throws as nearestTriangle() and requireUsable() do. Costs one nearestTriangle(), of a
+/// mesh a nearestPair().
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.

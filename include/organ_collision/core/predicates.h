@@ -6,7 +6,8 @@ namespace organ_collision::core {
 
 /// The signs below (-1, 0, +1) are exact for finite coordinates below kLargestCoordinate, whatever
 /// cancels, as long as the coordinates do not span more than 2^300 among themselves.
-/// Cost: about 10 ns; where rounding leaves a doubt, some microseconds at most.
+/// Cost: some 5 ns; where rounding leaves a doubt, half a microsecond and more
+/// (benchmark/triangle_benchmark).
 /// Source: J. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 /// predicates" (1997).
 

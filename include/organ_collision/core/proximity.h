@@ -25,7 +25,8 @@ struct Proximity {
 /// Of two shapes in one frame. Of round ones the distance of their cores less the radii; where two
 /// axes cross, -(both radii). Of a mesh and a round shape as contact() tells; of two meshes as
 /// nearestPair() does: 0 where the surfaces meet. Swapped shapes swap the points and turn the
-/// normal. Throws as requireUsable() does.
+/// normal. Throws as requireUsable() does. Costs one closestPoints(), of a mesh what contact()
+/// does.
 Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy = {});
 
 /// Follows two meshes; all else is asked anew.

@@ -19,6 +19,8 @@ struct MeshMotion {
 /// bound falls below the nearest distance are looked at again, and while that of the rest does not,
 /// the answer is exact without the tree. Where that does fall again and again, nothing is followed
 /// for a while: then a query is a search that knows how far away the last one's triangle is now.
+/// How often the tree is left out depends on how large triangles are for a step: `trajectory` in
+/// docs/performance.md.
 class Tracker {
  public:
   Tracker();
