@@ -6,9 +6,6 @@
 #include <numeric>
 #include <random>
 
-#include "organ_collision/core/nearest_triangle.h"
-#include "organ_collision/core/triangle_distance.h"
-#include "organ_collision/core/triangle_intersection.h"
 #include "trade.h"
 
 namespace organ_collision::tools {
@@ -65,27 +62,28 @@ bool sameDistances(const NearestTriangle& nearest, double factor, const NearestT
 
 // ---- triangles
 
-void measurePoint(const core::Sample& sample, StabilityRow& row) {
+void measurePoint(const Library& library, const core::Sample& sample, StabilityRow& row) {
   const auto& [query, triangle] = sample;
-  const core::ClosestPoint closest = closestPointOnTriangle(query, triangle);
+  const core::ClosestPoint closest = library.closest_point(query, triangle);
   const double error = errorOf(std::sqrt(closest.squared_distance),
                                core::exact::distance(query, triangle), extentOf(query, triangle));
   countError(row[Subject::kClosestPoint], error, isFinite(closest));
   for (const double factor : kFactors) {
-    count(row[Subject::kScaling],
-          sameBits(closest, factor,
-                   closestPointOnTriangle(factor * query, scaled(triangle, factor))));
+    count(
+        row[Subject::kScaling],
+        sameBits(closest, factor, library.closest_point(factor * query, scaled(triangle, factor))));
   }
 }
 
-void measurePair(const Triangle& first, const Triangle& second, StabilityRow& row) {
-  const core::ClosestPair pair = closestPoints(first, second);
+void measurePair(const Library& library, const Triangle& first, const Triangle& second,
+                 StabilityRow& row) {
+  const core::ClosestPair pair = library.closest_points(first, second);
   const core::exact::Real truth = core::exact::distance(first, second);
   const double error =
       errorOf(std::sqrt(pair.on_second.squared_distance), truth, extentOf(first, second));
   countError(row[Subject::kTriangleDistance], error,
              isFinite(pair.on_second) && pair.point_on_first.allFinite());
-  count(row[Subject::kIntersection], trianglesIntersect(first, second) == (truth == 0));
+  count(row[Subject::kIntersection], library.intersect(first, second) == (truth == 0));
 }
 
 // ---- organs
@@ -114,8 +112,9 @@ CollisionMesh renumbered(const TriangleMesh& mesh) {
 /// One organ in all its guises, and what they answer.
 class OrganTrial {
  public:
-  OrganTrial(const TriangleMesh& mesh, StabilityRow& row)
-      : row_(row),
+  OrganTrial(const Library& library, const TriangleMesh& mesh, StabilityRow& row)
+      : library_(library),
+        row_(row),
         built_(mesh),
         refitted_(refitted(mesh)),
         renumbered_(renumbered(mesh)),
@@ -124,47 +123,51 @@ class OrganTrial {
   }
 
   void measure(const Vector3d& tip) {
-    const core::exact::Nearest nearest = core::exact::nearest(built_.mesh(), tip);
-    const NearestTriangle exact = nearestTriangle(built_, tip);
+    const core::exact::Nearest truth = core::exact::nearest(built_.mesh(), tip);
+    const NearestTriangle exact = nearest(built_, tip);
     const double distance = std::abs(exact.distance);
-    const double error = errorOf(distance, nearest.distance, extent(tip, exact, nearest));
+    const double error = errorOf(distance, truth.distance, extent(tip, exact, truth));
     countError(row_[Subject::kNearest], error, isFinite(exact), exact.isExact());
-    measureRefit(tip, nearest, distance);
-    const bool inside = isInside(tip, nearest);
-    if (built_.health().isSolid() && nearest.distance > 0) {
+    measureRefit(tip, truth, distance);
+    const bool inside = isInside(tip, truth);
+    if (built_.health().isSolid() && truth.distance > 0) {
       const bool is_right = exact.distance == 0.0 || (exact.distance < 0.0) == inside;
       count(row_[Subject::kSign], exact.distance_signed && is_right);
     }
-    measureDial(tip, nearest, inside);
+    measureDial(tip, truth, inside);
     measureGuises(tip, exact);
   }
 
  private:
-  double extent(const Vector3d& tip, const NearestTriangle& found,
-                const core::exact::Nearest& nearest) const {
-    return std::max(extentOf(tip, built_.mesh().triangle(found.triangle)),
-                    extentOf(tip, built_.mesh().triangle(nearest.triangle)));
+  NearestTriangle nearest(const CollisionMesh& organ, const Vector3d& tip,
+                          const core::Accuracy& accuracy = {}) const {
+    return library_.nearest_triangle(organ, tip, accuracy);
   }
 
-  bool isInside(const Vector3d& tip, const core::exact::Nearest& nearest) const {
-    return built_.health().isSolid() && nearest.distance > 0 &&
+  double extent(const Vector3d& tip, const NearestTriangle& found,
+                const core::exact::Nearest& truth) const {
+    return std::max(extentOf(tip, built_.mesh().triangle(found.triangle)),
+                    extentOf(tip, built_.mesh().triangle(truth.triangle)));
+  }
+
+  bool isInside(const Vector3d& tip, const core::exact::Nearest& truth) const {
+    return built_.health().isSolid() && truth.distance > 0 &&
            core::exact::windingNumber(built_.mesh(), tip) != 0;
   }
 
-  void measureRefit(const Vector3d& tip, const core::exact::Nearest& nearest, double distance) {
-    const NearestTriangle answer = nearestTriangle(refitted_, tip);
+  void measureRefit(const Vector3d& tip, const core::exact::Nearest& truth, double distance) {
+    const NearestTriangle answer = nearest(refitted_, tip);
     const double found = std::abs(answer.distance);
-    countError(row_[Subject::kRefit],
-               errorOf(found, nearest.distance, extent(tip, answer, nearest)), isFinite(answer),
-               found == distance);
+    countError(row_[Subject::kRefit], errorOf(found, truth.distance, extent(tip, answer, truth)),
+               isFinite(answer), found == distance);
   }
 
-  void measureDial(const Vector3d& tip, const core::exact::Nearest& nearest, bool inside) {
-    const auto distance = static_cast<double>(nearest.distance);
+  void measureDial(const Vector3d& tip, const core::exact::Nearest& truth, bool inside) {
+    const auto distance = static_cast<double>(truth.distance);
     for (const Setting& setting : settings_) {
-      const NearestTriangle answer = nearestTriangle(built_, tip, setting.accuracy);
+      const NearestTriangle answer = nearest(built_, tip, setting.accuracy);
       const double rounding =
-          kUnit * (kPromisedError * extent(tip, answer, nearest) + distance);  // of `distance` too
+          kUnit * (kPromisedError * extent(tip, answer, truth) + distance);  // of `distance` too
       count(row_[Subject::kDial],
             !isViolated(answer, inside ? -distance : distance, setting.accuracy, rounding),
             isFinite(answer));
@@ -172,19 +175,19 @@ class OrganTrial {
   }
 
   void measureGuises(const Vector3d& tip, const NearestTriangle& exact) {
-    const NearestTriangle greedy = nearestTriangle(built_, tip, core::Accuracy::greedy());
+    const NearestTriangle greedy = nearest(built_, tip, core::Accuracy::greedy());
     for (std::size_t i = 0; i < kFactors.size(); ++i) {
-      const NearestTriangle other = nearestTriangle(scaled_[i], kFactors[i] * tip);
+      const NearestTriangle other = nearest(scaled_[i], kFactors[i] * tip);
       count(row_[Subject::kScaling], sameDistances(exact, kFactors[i], other) &&
                                          sameBits(exact.closest, kFactors[i], other.closest) &&
                                          exact.normal == other.normal);
     }
     count(row_[Subject::kRenumbering],
-          sameDistances(exact, 1.0, nearestTriangle(renumbered_, tip)) &&
-              sameDistances(greedy, 1.0,
-                            nearestTriangle(renumbered_, tip, core::Accuracy::greedy())));
+          sameDistances(exact, 1.0, nearest(renumbered_, tip)) &&
+              sameDistances(greedy, 1.0, nearest(renumbered_, tip, core::Accuracy::greedy())));
   }
 
+  const Library& library_;
   StabilityRow& row_;
   const std::vector<Setting> settings_ = dial();
   const CollisionMesh built_, refitted_, renumbered_;
@@ -213,16 +216,16 @@ double extentOf(const Triangle& first, const Triangle& second) {
 }
 
 StabilityRow measureStability(const Extreme& extreme, const Trials& trials, std::uint64_t seed,
-                              const std::function<void()>& advance) {
+                              const std::function<void()>& advance, const Library& library) {
   StabilityRow row{extreme.name, {}, 0};
   Random random(seed);
   for (std::size_t i = 0; extreme.sample && i < trials.points; ++i)
-    measurePoint(extreme.sample(random), row);
+    measurePoint(library, extreme.sample(random), row);
   for (std::size_t i = 0; extreme.pair && i < trials.pairs; ++i) {
     const auto [first, second] = extreme.pair(random);
-    measurePair(first, second, row);
+    measurePair(library, first, second, row);
   }
-  OrganTrial organ(extreme.organ, row);
+  OrganTrial organ(library, extreme.organ, row);
   for (std::size_t i = 0; i < trials.tips; ++i) {
     organ.measure(extreme.tip(random, extreme.organ));
     advance();

@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "extremes.h"
+#include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/triangle_distance.h"
+#include "organ_collision/core/triangle_intersection.h"
 #include "reference/exact.h"
 
 namespace organ_collision::tools {
@@ -82,8 +85,23 @@ struct Trials {
   std::size_t points, pairs, tips;
 };
 
+/// What is measured: the library, but where a test wants to see that its faults would be.
+struct Library {
+  std::function<core::ClosestPoint(const Eigen::Vector3d&, const core::Triangle&)> closest_point =
+      core::closestPointOnTriangle;
+  std::function<core::ClosestPair(const core::Triangle&, const core::Triangle&)> closest_points =
+      core::closestPoints;
+  std::function<bool(const core::Triangle&, const core::Triangle&)> intersect =
+      core::trianglesIntersect;
+  std::function<core::NearestTriangle(const core::CollisionMesh&, const Eigen::Vector3d&,
+                                      const core::Accuracy&)>
+      nearest_triangle = [](const auto& organ, const auto& tip, const auto& accuracy) {
+        return core::nearestTriangle(organ, tip, accuracy);
+      };
+};
+
 /// Everything but the time is the same for the same seed. `advance` is called after every tip.
 StabilityRow measureStability(const Extreme& extreme, const Trials& trials, std::uint64_t seed,
-                              const std::function<void()>& advance);
+                              const std::function<void()>& advance, const Library& library = {});
 
 }  // namespace organ_collision::tools

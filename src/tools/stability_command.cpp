@@ -46,22 +46,22 @@ Options optionsFrom(const std::vector<std::string>& words) {
   return options;
 }
 
-Stability measureAll(const Options& options) {
+Stability measureAll(const Library& library, const Options& options) {
   const std::vector<Extreme> classes = extremes();
   const Trials trials(options.samples);
   Progress progress("measuring", classes.size() * trials.tips);
   Stability stability{options.samples, options.seed, {}};
   for (std::size_t i = 0; i < classes.size(); ++i) {
-    stability.rows.push_back(measureStability(classes[i], trials, options.seed + i,
-                                              [&progress] { progress.advance(); }));
+    stability.rows.push_back(measureStability(
+        classes[i], trials, options.seed + i, [&progress] { progress.advance(); }, library));
   }
   return stability;
 }
 
 /// Returns whether all promises are kept.
-bool run(const Options& options, std::ostream& out) {
+bool run(const Library& library, const Options& options, std::ostream& out) {
   requireWritableFolder(options.output);
-  const Stability stability = measureAll(options);
+  const Stability stability = measureAll(library, options);
   const std::filesystem::path file = options.output / "stability.csv";
   writeFile(file, csv(stability));
   out << report(stability) << "\nWritten: " << file.string() << std::endl;
@@ -70,14 +70,14 @@ bool run(const Options& options, std::ostream& out) {
 
 }  // namespace
 
-int measureStability(const std::vector<std::string>& words, std::ostream& out,
-                     std::ostream& errors) {
+int measureStability(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors,
+                     const Library& library) {
   try {
     if (std::find(words.begin(), words.end(), "--help") != words.end()) {
       out << kUsage;
       return 0;
     }
-    if (run(optionsFrom(words), out)) return 0;
+    if (run(library, optionsFrom(words), out)) return 0;
     errors << "measure_stability: a promise is broken" << std::endl;
     return 1;
   } catch (const UsageError& error) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -13,10 +14,10 @@ struct Outcome {
   std::string out, errors;
 };
 
-using Command = int (*)(const std::vector<std::string>& words, std::ostream& out,
-                        std::ostream& errors);
+using Command = std::function<int(const std::vector<std::string>& words, std::ostream& out,
+                                  std::ostream& errors)>;
 
-inline Outcome outcomeOf(Command command, const std::vector<std::string>& words) {
+inline Outcome outcomeOf(const Command& command, const std::vector<std::string>& words) {
   std::ostringstream out;
   std::ostringstream errors;
   const int exit_code = command(words, out, errors);

@@ -16,7 +16,13 @@ namespace {
 
 using testing::HasSubstr;
 
-Outcome run(const std::vector<std::string>& words) { return outcomeOf(measureStability, words); }
+Outcome run(const std::vector<std::string>& words, const Library& library = {}) {
+  return outcomeOf(
+      [&library](const auto& given, auto& out, auto& errors) {
+        return measureStability(given, out, errors, library);
+      },
+      words);
+}
 
 class MeasureStabilityCommand : public testing::Test {
  protected:
@@ -37,6 +43,15 @@ TEST_F(MeasureStabilityCommand, FindsEveryPromiseKept) {
   EXPECT_THAT(done.out, HasSubstr("All promises are kept."));
   EXPECT_THAT(done.out, HasSubstr(folder("new/stability.csv")));
   EXPECT_TRUE(std::filesystem::exists(folder("new/stability.csv")));
+}
+
+TEST_F(MeasureStabilityCommand, EndsWithOneWhereAPromiseIsBroken) {
+  Library wrong;
+  wrong.intersect = [](const auto& /*first*/, const auto& /*second*/) { return true; };
+  const Outcome done = run({"--output", folder("new"), "--samples", "100"}, wrong);
+  EXPECT_EQ(done.exit_code, 1);
+  EXPECT_EQ(done.errors, "measure_stability: a promise is broken\n");
+  EXPECT_THAT(done.out, HasSubstr("random, meet: "));
 }
 
 TEST_F(MeasureStabilityCommand, GivesTheSameTableForTheSameSeedOnly) {

@@ -1,13 +1,21 @@
 #include "tools/stability.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace organ_collision::tools {
 namespace {
 
 using core::exact::Real;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Extreme named(const std::string& name) {
   for (const Extreme& extreme : extremes()) {
@@ -16,8 +24,31 @@ Extreme named(const std::string& name) {
   throw std::out_of_range(name);
 }
 
-StabilityRow measured(const Extreme& extreme, std::size_t samples = 1000) {
-  return measureStability(extreme, Trials(samples), 1, [] {});
+StabilityRow measured(const Extreme& extreme, std::size_t samples = 1000,
+                      const Library& library = {}) {
+  return measureStability(
+      extreme, Trials(samples), 1, [] {}, library);
+}
+
+/// The subjects of which a promise is broken if the library is such.
+std::vector<Subject> brokenBy(const Library& library) {
+  const StabilityRow row = measured(named("random"), 1000, library);
+  std::vector<Subject> broken;
+  for (const SubjectName& subject : kSubjects)
+    if (!row[subject.subject].isKept()) broken.push_back(subject.subject);
+  return broken;
+}
+
+/// With `spoil` done to answers.
+Library withWrongNearest(const std::function<void(const core::CollisionMesh&, const core::Accuracy&,
+                                                  core::NearestTriangle&)>& spoil) {
+  Library library;
+  library.nearest_triangle = [spoil](const auto& organ, const auto& tip, const auto& accuracy) {
+    core::NearestTriangle answer = core::nearestTriangle(organ, tip, accuracy);
+    spoil(organ, accuracy, answer);
+    return answer;
+  };
+  return library;
 }
 
 TEST(ErrorOf, IsInUnitsOfHalfAnUlpOfTheExtent) {
@@ -75,6 +106,71 @@ TEST(MeasureStability, CountsAnErrorThatIsTooLarge) {
   EXPECT_FALSE(row[Subject::kClosestPoint].isKept());
   EXPECT_FALSE(row[Subject::kScaling].isKept());
   EXPECT_TRUE(row[Subject::kTriangleDistance].isKept());
+}
+
+TEST(MeasureStability, SeesWrongMeasurementsOfTriangles) {
+  EXPECT_THAT(brokenBy({}), IsEmpty());
+  Library library;
+  library.closest_point = [](const auto& query, const auto& triangle) {
+    core::ClosestPoint closest = closestPointOnTriangle(query, triangle);
+    closest.squared_distance *= 1 + 0x1p-40;
+    return closest;
+  };
+  EXPECT_THAT(brokenBy(library), ElementsAre(Subject::kClosestPoint));
+  library = {};
+  library.closest_point = [](const auto& query, const auto& triangle) {
+    core::ClosestPoint closest = closestPointOnTriangle(query, triangle);
+    closest.squared_distance = kNan;
+    return closest;
+  };
+  EXPECT_THAT(brokenBy(library), Contains(Subject::kClosestPoint));
+  library = {};
+  library.closest_points = [](const auto& first, const auto& second) {
+    core::ClosestPair pair = closestPoints(first, second);
+    pair.point_on_first.x() = kNan;
+    return pair;
+  };
+  EXPECT_THAT(brokenBy(library), ElementsAre(Subject::kTriangleDistance));
+  library = {};
+  library.intersect = [](const auto& /*first*/, const auto& /*second*/) { return false; };
+  EXPECT_THAT(brokenBy(library), ElementsAre(Subject::kIntersection));
+}
+
+TEST(MeasureStability, SeesWrongNearestTriangles) {
+  const auto is_exact = [](const core::Accuracy& accuracy) {
+    return accuracy.max_leaves == 0 && accuracy.max_relative_error == 0 &&
+           accuracy.max_absolute_error == 0;
+  };
+  const auto turned = [](const auto& /*organ*/, const auto& /*accuracy*/, auto& answer) {
+    answer.distance = -answer.distance;
+    std::swap(answer.lower_bound, answer.upper_bound);
+    answer.lower_bound = -answer.lower_bound;
+    answer.upper_bound = -answer.upper_bound;
+  };
+  EXPECT_THAT(brokenBy(withWrongNearest(turned)), ElementsAre(Subject::kSign, Subject::kDial));
+  const auto unsure = [](const auto& /*organ*/, const auto& accuracy, auto& answer) {
+    if (accuracy.max_leaves == 1) answer.upper_bound = answer.lower_bound;
+  };
+  EXPECT_THAT(brokenBy(withWrongNearest(unsure)), Contains(Subject::kDial));
+  const auto infinite = [&](const auto& /*organ*/, const auto& accuracy, auto& answer) {
+    if (is_exact(accuracy)) answer.normal.x() = kNan;
+  };
+  EXPECT_THAT(brokenBy(withWrongNearest(infinite)), Contains(Subject::kNearest));
+  const auto scaled = [](const auto& organ, const auto& /*accuracy*/, auto& answer) {
+    if (organ.health().box.high.norm() < 0x1p-32) answer.closest.barycentric.x() += 0x1p-52;
+  };
+  EXPECT_THAT(brokenBy(withWrongNearest(scaled)), ElementsAre(Subject::kScaling));
+  // The first organ that is asked is the one built; the next is refitted.
+  std::map<const core::CollisionMesh*, int> organs;
+  const auto differs_in = [&organs](int guise) {
+    return [&organs, guise](const auto& organ, const auto& accuracy, auto& answer) {
+      const int number = organs.emplace(&organ, static_cast<int>(organs.size())).first->second;
+      if (number == guise && accuracy.max_leaves == 0) answer.distance *= 1 + 0x1p-52;
+    };
+  };
+  EXPECT_THAT(brokenBy(withWrongNearest(differs_in(1))), ElementsAre(Subject::kRefit));
+  organs.clear();
+  EXPECT_THAT(brokenBy(withWrongNearest(differs_in(4))), ElementsAre(Subject::kRenumbering));
 }
 
 TEST(MeasureStability, AdvancesWithEveryTip) {
