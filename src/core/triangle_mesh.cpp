@@ -31,7 +31,7 @@ void requireFewEnough(std::size_t count, const char* what) {
 Box requireAllUsable(const Points& positions) {
   if (positions.empty()) return {};
   const auto [low, high, finite] = boxOfPoints(positions.front().data(), positions.size());
-  const Box box = {Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
+  Box box = {Eigen::Vector3d(low.data()), Eigen::Vector3d(high.data())};
   if (!finite || !isUsable(box.low) || !isUsable(box.high)) {
     for (std::size_t i = 0; i < positions.size(); ++i) requireUsable(positions[i], "vertex", i);
   }
