@@ -1,7 +1,9 @@
 #include "io/sandbox.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,8 +49,44 @@ std::ptrdiff_t openFiles() {
   return std::distance(begin(files), end(files));
 }
 
+/// Those that a program started by this process would have too.
+std::size_t inheritedFiles() {
+  std::size_t count = 0;
+  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int flags = ::fcntl(std::stoi(file.path().filename()), F_GETFD);
+    if (flags >= 0 && (flags & FD_CLOEXEC) == 0) ++count;
+  }
+  return count;
+}
+
 [[noreturn]] void sleepForever() {
   for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
+}
+
+TEST(Sandbox, EndsWithItsParent) {
+  EXPECT_EQ(run([] {
+              int signal = 0;
+              ::prctl(PR_GET_PDEATHSIG, &signal);
+              return std::to_string(signal);
+            }),
+            std::to_string(SIGKILL));
+}
+
+TEST(Sandbox, HearsSignalsThatItsParentBlocks) {
+  sigset_t one, before;
+  sigemptyset(&one);
+  sigaddset(&one, SIGUSR1);
+  ::pthread_sigmask(SIG_BLOCK, &one, &before);
+  EXPECT_THROW(run([] {
+                 ::raise(SIGUSR1);
+                 return std::string();
+               }),
+               std::runtime_error);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST(Sandbox, ItsPipeIsClosedInProgramsThatAreStartedMeanwhile) {
+  EXPECT_EQ(run([] { return std::to_string(inheritedFiles()); }), std::to_string(inheritedFiles()));
 }
 
 TEST(Sandbox, ReturnsEveryByteOfTheResult) {
