@@ -65,8 +65,7 @@ class TrackedSearch : private NearestSearch<Tip> {
       : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
 
   NearestTriangle run(Sign sign) {
-    if (!(this->farthest < kFar)) {
-      memory_.followed.count = 0;
+    if (!(this->farthest < kFar)) {  // what was followed is as far away as it was
       NearestTriangle nearest = NearestSearch<Tip>::run();
       if (sign == Sign::kProven) addSign(this->organ_, nearest);
       return nearest;

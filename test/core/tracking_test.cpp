@@ -319,6 +319,33 @@ TEST(Tracker, ForgetsTheNormalOfAnotherHierarchy) {
   }
 }
 
+TEST(Tracker, FollowsOnWhereATipComesBackToFromFarAway) {
+  std::mt19937 generator(43);
+  CollisionMesh organ(test::blob(6));
+  const double size = sizeOf(organ);
+  const Eigen::Vector3d middle = organ.mesh().positions()[0];
+  Tracker tracker;
+  MeshMotion motion;
+  SearchWork tracked, searched;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d tip = middle + randomPoint(generator, 1e-4 * size);
+    const NearestTriangle found = tracker.nearestTriangle(organ, motion, tip);
+    const NearestTriangle expected = nearestTriangle(organ, tip);
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected));
+    tracked.bounds += found.work.bounds;
+    searched.bounds += expected.work.bounds;
+    const Eigen::Vector3d far = tip + Eigen::Vector3d(0, 0, 1e3 * size);
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, motion, far), nearestTriangle(organ, far)));
+    Points positions = organ.mesh().positions();
+    motion.travel += moveHeights(positions, generator, 1e-6 * size);
+    organ.refit(positions);
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, motion, far), nearestTriangle(organ, far)));
+  }
+  EXPECT_LT(tracked.bounds, searched.bounds / 2);
+}
+
 TEST(Tracker, RefusesATipThatIsNotANumber) {
   const CollisionMesh organ(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
