@@ -86,16 +86,6 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
-Collapse::Centroids centroidsOf(const FarthestPairTree& tree, const TriangleMesh& mesh,
-                                const UnitFrame& frame) {
-  Collapse::Centroids centroids(mesh.triangleCount());
-  forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
-    const TriangleId triangle = tree.triangle(static_cast<WideTree::Leaf>(leaf));
-    centroids[leaf] = frame(centroid(mesh.triangle(triangle)));
-  });
-  return centroids;
-}
-
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
@@ -103,7 +93,11 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
       vertices_(mesh.positions().size()),
       corners_(mesh.triangleCount()),
       slots_(mesh.triangleCount()) {
-  const Collapse::Centroids centroids = centroidsOf(tree, mesh, frame);
+  Collapse::Centroids centroids(mesh.triangleCount());
+  forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
+    corners_[leaf] = mesh.corners(tree.triangle(static_cast<Leaf>(leaf)));
+    centroids[leaf] = frame(centroid(mesh.triangle(corners_[leaf])));
+  });
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
   nodes_.resize(layout.nodes.size());
@@ -115,7 +109,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     packets_[self].lane_count = end - begin;
     packets_[self].parent = parent;
     const auto slot = static_cast<std::uint32_t>(self) * kLaneCount;
-    for (Leaf leaf = begin; leaf < end; ++leaf) listLeaf(tree, mesh, leaf, slot + leaf - begin);
+    for (Leaf leaf = begin; leaf < end; ++leaf)
+      slots_[index(tree.triangle(leaf))] = slot + leaf - begin;
   });
   guide_.sets.resize(nodes_.size());
   guide_.nodes.resize(nodes_.size());
@@ -139,13 +134,6 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   tallies_.resize(packets_.size());
   touched_.resize(nodes_.size() + packets_.size());
   fitAll(mesh, Fit::kCorners);
-}
-
-void WideTree::listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
-                        std::uint32_t slot) {
-  const TriangleId triangle = tree.triangle(leaf);
-  corners_[leaf] = mesh.corners(triangle);
-  slots_[index(triangle)] = slot;
 }
 
 /// REQUIRES: all leaves are listed.

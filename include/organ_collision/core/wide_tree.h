@@ -81,8 +81,6 @@ class WideTree {
 
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
-  void listLeaf(const FarthestPairTree& tree, const TriangleMesh& mesh, Leaf leaf,
-                std::uint32_t slot);
   Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
