@@ -52,6 +52,31 @@ inline TriangleMesh cube(double size = 1.0) {
 
 /// The paper's test mesh: an open, flat grid of columns x rows cells in z = 0, two triangles each.
 /// Cells of side 3 have centroids without rounding: ties are exact.
+/// Of `scale` times the size, then moved.
+inline TriangleMesh placed(const TriangleMesh& mesh, double scale, const Eigen::Vector3d& offset) {
+  Points points = mesh.positions();
+  for (Eigen::Vector3d& point : points) point = scale * point + offset;
+  return {points, mesh.triangles()};
+}
+
+/// Inside out.
+inline TriangleMesh turned(const TriangleMesh& mesh) {
+  std::vector<Corners> triangles = mesh.triangles();
+  for (Corners& triangle : triangles) std::swap(triangle[1], triangle[2]);
+  return {mesh.positions(), triangles};
+}
+
+/// Both as one mesh.
+inline TriangleMesh joined(const TriangleMesh& one, const TriangleMesh& other) {
+  Points points = one.positions();
+  points.insert(points.end(), other.positions().begin(), other.positions().end());
+  std::vector<Corners> triangles = one.triangles();
+  const std::size_t first = one.positions().size();
+  for (const Corners& c : other.triangles())
+    triangles.push_back(corners(first + index(c[0]), first + index(c[1]), first + index(c[2])));
+  return {points, triangles};
+}
+
 inline TriangleMesh grid(std::size_t columns, std::size_t rows) {
   Points points;
   for (std::size_t y = 0; y <= rows; ++y) {

@@ -28,13 +28,22 @@ struct Hull {
   double radius;
 };
 
+/// Without vertices that no triangle has.
+Points cornersOf(const core::TriangleMesh& mesh) {
+  if (mesh.usesAllVertices()) return mesh.positions();
+  Points points;
+  for (const core::Corners& corners : mesh.triangles())
+    for (const core::VertexId corner : corners) points.push_back(mesh.position(corner));
+  return points;
+}
+
 Hull hullOf(const core::Shape& shape) {
   const auto* mesh = std::get_if<core::RigidMesh>(&shape);
   if (mesh == nullptr) {
     const auto [core, radius] = *core::roundShape(shape);
     return {{core.a, core.b, core.c}, radius};
   }
-  Hull hull{mesh->surface->mesh().positions(), 0.0};
+  Hull hull{cornersOf(mesh->surface->mesh()), 0.0};
   for (Vector3d& corner : hull.corners) corner = mesh->pose * corner;
   return hull;
 }

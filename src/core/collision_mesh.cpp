@@ -59,13 +59,20 @@ void CollisionMesh::refit(Points positions) {
   refitAll(mesh_.usesAllVertices() ? box : boxOf(mesh_));
 }
 
-/// Those at vertices, each as often as it has vertices there.
+/// Those at vertices, each as often as it has welds there.
 std::vector<TriangleId> CollisionMesh::trianglesAt(const std::vector<VertexId>& vertices) const {
+  // All of their welds: whether these hold matters to each triangle.
+  std::vector<MeshTopology::Weld> welds(vertices.size());
+  std::transform(vertices.begin(), vertices.end(), welds.begin(),
+                 [this](VertexId vertex) { return topology_->weld(vertex); });
+  if (topology_->hasWelds()) {
+    std::sort(welds.begin(), welds.end());
+    welds.erase(std::unique(welds.begin(), welds.end()), welds.end());
+  }
   std::vector<TriangleId> triangles;
-  triangles.reserve(8 * vertices.size());
-  for (const VertexId vertex : vertices) {
-    // All of the weld: whether it holds matters to each of them.
-    const auto around = topology_->trianglesAt(topology_->weld(vertex));
+  triangles.reserve(8 * welds.size());
+  for (const MeshTopology::Weld weld : welds) {
+    const auto around = topology_->trianglesAt(weld);
     triangles.insert(triangles.end(), around.begin(), around.end());
   }
   return triangles;
@@ -100,7 +107,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
 
   Box box = on_face ? boxOf(mesh_) : health_.box;
   if (mesh_.usesAllVertices()) {
-    for (const Eigen::Vector3d& position : positions) box.add(position);
+    for (const VertexId vertex : moved) box.add(mesh_.position(vertex));
   } else {
     for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
   }

@@ -89,12 +89,19 @@ Vector3d directionInwards(const NearestTriangle& nearest) {
   return nearest.normal.isZero(0.0) ? Vector3d(1, 0, 0) : Vector3d(-nearest.normal);
 }
 
-/// The direction in which the surface of the shape is just one radius from `point` of its core, and
-/// nearest to `direction`: on a segment square to it, at an end anywhere but back along it.
-Vector3d towardsSurface(const Vector3d& direction, const Vector3d& point, const Triangle& core) {
+/// The direction in which the surface of the shape is just one radius from its core's nearest or
+/// deepest point, and nearest to `direction`: on a segment square to it, at an end anywhere but
+/// back along it.
+Vector3d towardsSurface(const Vector3d& direction, const NearestTriangle& nearest,
+                        const Triangle& core) {
   const Vector3d axis = core.b - core.a;
   const double along = direction.dot(axis);
-  if (axis.isZero(0.0) || (point == core.a && along <= 0.0) || (point == core.b && along >= 0.0))
+  const bool at_a = nearest.tip_point == core.a;
+  const bool at_b = nearest.tip_point == core.b;
+  // Rounding chooses between the ends of an axis that is far too short to tell them apart.
+  const bool is_short = nearest.distance > axis.stableNorm();
+  if (axis.isZero(0.0) || (at_a && (along <= 0.0 || is_short)) ||
+      (at_b && (along >= 0.0 || is_short)))
     return direction;
   return squareTo(axis, direction);
 }
@@ -103,7 +110,7 @@ Vector3d towardsSurface(const Vector3d& direction, const Vector3d& point, const 
 NearestTriangle inflated(NearestTriangle nearest, const RoundShape& shape) {
   if (shape.radius == 0.0) return nearest;
   nearest.tip_point +=
-      shape.radius * towardsSurface(directionInwards(nearest), nearest.tip_point, shape.core);
+      shape.radius * towardsSurface(directionInwards(nearest), nearest, shape.core);
   nearest.distance -= shape.radius;
   nearest.lower_bound -= shape.radius;
   nearest.upper_bound -= shape.radius;

@@ -1,5 +1,6 @@
 #include "organ_collision/core/nearest_pair.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -43,17 +44,21 @@ std::vector<WaitingPair>& pairScratch(std::size_t levels) {
 
 namespace {
 
-bool holds(const CollisionMesh& solid, const Vector3d& point) {
-  return solid.health().isSolid() && windingNumber(solid, point) != 0;
+/// For surfaces that do not meet: a part of `other` that hangs together is inside the solid.
+bool holdsPartOf(const CollisionMesh& solid, const CollisionMesh& other,
+                 const Isometry3d& solid_from_other) {
+  if (!solid.health().isSolid()) return false;
+  const std::vector<VertexId>& parts = other.topology().parts();
+  return std::any_of(parts.begin(), parts.end(), [&](VertexId vertex) {
+    return windingNumber(solid, solid_from_other * other.mesh().position(vertex)) != 0;
+  });
 }
 
-/// For surfaces that do not meet: one is wholly inside the other's solid.
+/// The same: one, or a part of it, is inside the other's solid.
 bool isOneInsideTheOther(const CollisionMesh& first, const Isometry3d& second_from_first,
                          const CollisionMesh& second) {
-  const Vector3d of_first = first.mesh().triangle(TriangleId{0}).a;
-  const Vector3d of_second = second.mesh().triangle(TriangleId{0}).a;
-  return holds(second, second_from_first * of_first) ||
-         holds(first, second_from_first.inverse() * of_second);
+  return holdsPartOf(second, first, second_from_first) ||
+         holdsPartOf(first, second, Isometry3d(second_from_first.inverse(Eigen::Affine)));
 }
 
 NearestTriangle withSign(NearestTriangle nearest, bool inside) {

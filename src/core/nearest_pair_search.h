@@ -30,8 +30,8 @@ AffineMap affineMap(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset
 /// calling thread's.
 std::vector<WaitingPair>& pairScratch(std::size_t levels);
 
-/// Farther than this many sizes apart, all triangles are equally far but for rounding of
-/// 4*u*extent: any two will do.
+/// Farther than this many sizes of a surface from it, all of its triangles are equally far but for
+/// rounding of 4*u*extent: any of them will do.
 constexpr double kTooFar = 0x1p60;
 
 class NearestPairSearch : protected PairSearch {
@@ -60,17 +60,30 @@ class NearestPairSearch : protected PairSearch {
 
   NearestPair run() {
     measureGreedily();
+    if (areAllAlike()) {
+      measure(0, 0);
+      return answer();
+    }
+    if (!is_limited_) measureToAndFro();
     if (!isTooFar()) {
-      if (!is_limited_) measureToAndFro();
       kernels().walkPairs(*this);
+    } else if (is_limited_) {
+      unopened = 0.0;
     }
     return answer();
   }
 
  protected:
+  /// From at least one of them: then going to and fro tells as much as can be told.
   bool isTooFar() const {
     return !(largestCoordinate(second_from_first.offset) < kTooFar) ||
            !(largestCoordinate(first_from_second.offset) < kTooFar);
+  }
+
+  /// Of two surfaces that have shrunk to points, all triangles are equally far, bit for bit.
+  bool areAllAlike() const {
+    const auto is_point = [](const Box& box) { return box.low == box.high; };
+    return is_point(first_.health().box) && is_point(second_.health().box);
   }
 
   static double largestCoordinate(const std::array<double, 3>& v) {

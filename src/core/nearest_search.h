@@ -209,9 +209,10 @@ class NearestSearch : protected Search {
 };
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
-/// proven.
-void addSign(const CollisionMesh& organ, NearestTriangle& nearest);
+/// proven. `corner` is one of the tip's.
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest);
 /// REQUIRES: `normal` is the surface's at the nearest point.
-void addSign(const CollisionMesh& organ, const SurfaceNormal& normal, NearestTriangle& nearest);
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const SurfaceNormal& normal,
+             NearestTriangle& nearest);
 
 }  // namespace organ_collision::core

@@ -17,18 +17,21 @@ WaitingLanes* scratch(std::size_t depth) {
   return room.data();
 }
 
-void addSign(const CollisionMesh& organ, NearestTriangle& nearest) {
-  addSign(organ, surfaceNormal(organ, nearest.triangle, nearest.closest.feature), nearest);
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest) {
+  addSign(organ, corner, surfaceNormal(organ, nearest.triangle, nearest.closest.feature), nearest);
 }
 
-void addSign(const CollisionMesh& organ, const SurfaceNormal& normal, NearestTriangle& nearest) {
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const SurfaceNormal& normal,
+             NearestTriangle& nearest) {
   nearest.normal = normal.direction;
   if (nearest.upper_bound == 0.0) {  // of 0 both signs are right
     nearest.distance_signed = organ.health().isSolid();
     return;
   }
   if (!nearest.isExact() && organ.health().box.contains(nearest.tip_point)) return;
-  const std::optional<Side> side = sideOf(organ, nearest.tip_point, nearest.closest, normal);
+  // All of a tip that does not meet the surface is on one side of it; its nearest point is rounded.
+  const std::optional<Side> side =
+      sideOf(organ, nearest.isExact() ? corner : nearest.tip_point, nearest.closest, normal);
   nearest.distance_signed = side.has_value();
   if (side == Side::kInside) {
     nearest.distance = -nearest.distance;
@@ -65,7 +68,7 @@ NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accu
   NearestTriangle nearest = accuracy.max_leaves == 1
                                 ? greedyTo(organ, tip)
                                 : NearestSearch<Tip>(organ, tip, accuracy).run();
-  if (sign == Sign::kProven) addSign(organ, nearest);
+  if (sign == Sign::kProven) addSign(organ, tip.corners().front(), nearest);
   return nearest;
 }
 

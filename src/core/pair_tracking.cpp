@@ -39,9 +39,9 @@ class TrackedPairSearch : private NearestPairSearch {
         motion_of_second_(motion_of_second),
         memory_(memory) {}
 
-  /// Nothing where the surfaces meet, or are too far apart to tell triangles apart.
+  /// Nothing where the surfaces meet, or are too far apart or too small to tell triangles apart.
   std::optional<NearestPair> run() {
-    if (isTooFar()) return std::nullopt;
+    if (isTooFar() || areAllAlike()) return std::nullopt;
     if (knowsPair()) {
       const double step = this->step();
       measure(memory_.leaf_of_first, memory_.leaf_of_second);

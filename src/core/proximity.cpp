@@ -58,7 +58,8 @@ Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_c
 }
 
 Proximity roundToMesh(const Shape& round, const RigidMesh& mesh, const Accuracy& accuracy) {
-  const Contact found = contact(*mesh.surface, transformed(round, mesh.pose.inverse()), accuracy);
+  const Contact found = contact(
+      *mesh.surface, transformed(round, Isometry3d(mesh.pose.inverse(Eigen::Affine))), accuracy);
   return toMesh(found.nearest, roundShape(round)->radius, found.colliding_certain, mesh.pose);
 }
 
@@ -82,7 +83,8 @@ Proximity between(const Shape& first, const Shape& second, const Accuracy& accur
   if (first_mesh != nullptr && second_mesh != nullptr) {
     return betweenMeshes(
         *first_mesh, *second_mesh,
-        nearest_pair(*first_mesh, second_mesh->pose.inverse() * first_mesh->pose, *second_mesh));
+        nearest_pair(*first_mesh, second_mesh->pose.inverse(Eigen::Affine) * first_mesh->pose,
+                     *second_mesh));
   }
   if (second_mesh != nullptr) return roundToMesh(first, *second_mesh, accuracy);
   if (first_mesh != nullptr) return swapped(roundToMesh(second, *first_mesh, accuracy));

@@ -67,7 +67,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   NearestTriangle run(Sign sign) {
     if (!(this->farthest < kFar)) {  // what was followed is as far away as it was
       NearestTriangle nearest = NearestSearch<Tip>::run();
-      if (sign == Sign::kProven) addSign(this->organ_, nearest);
+      if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corners().front(), nearest);
       return nearest;
     }
     auto& patience = memory_.patience;
@@ -82,7 +82,8 @@ class TrackedSearch : private NearestSearch<Tip> {
     }
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
-    if (sign == Sign::kProven) addSign(this->organ_, normalAt(nearest), nearest);
+    if (sign == Sign::kProven)
+      addSign(this->organ_, this->tip_.corners().front(), normalAt(nearest), nearest);
     remember();
     return nearest;
   }

@@ -1,3 +1,4 @@
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -88,10 +89,27 @@ class Gatherer {
   std::unordered_map<Position, core::VertexId, PositionHash> vertices_;
 };
 
+/// Opens one file and no other that it may name: meshes may be read from one folder only.
+class OneFile : public Assimp::DefaultIOSystem {
+ public:
+  explicit OneFile(std::string name) : name_(std::move(name)) {}
+
+  bool Exists(const char* file) const override {
+    return file == name_ && DefaultIOSystem::Exists(file);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return file == name_ ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+
+ private:
+  std::string name_;
+};
+
 }  // namespace
 
 core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
+  importer.SetIOHandler(new OneFile(file.string()));  // NOLINT: the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) {

@@ -22,11 +22,11 @@ constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
-constexpr double kWarningPeriod = 5.0;      // [s] between warnings about one pair
-constexpr double kMasterPeriod = 1.0;       // [s] between two questions whether it knows this node
-constexpr unsigned kSpinnerThreads = 4;     // so that large batches do not keep small ones waiting
-constexpr unsigned kTfQueue = 100;          // as tf2_ros has it
-constexpr unsigned kContactsQueue = 100;    // cycles that may come before the socket takes them
+constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
+constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether it knows this node
+constexpr unsigned kSpinnerThreads = 4;   // so that large batches do not keep small ones waiting
+constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
+constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
     100;  // taken in faster than they come: each is only added to what waits
 constexpr std::uint32_t kLargestGap = 10'000;  // of sequence numbers: a larger one is no loss
@@ -128,7 +128,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
     const std::string refusal = intake_.take(*event.getConstMessage(), event.getPublisherName(),
                                              is_static, ros::Time::now());
-    if (!refusal.empty()) ROS_WARN_THROTTLE(kWarningPeriod, "%s", refusal.c_str());
+    if (!refusal.empty() && tf_log_.allows(refusal)) ROS_WARN("%s", refusal.c_str());
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
@@ -140,6 +140,7 @@ void CollisionNode::run() {
   const ros::WallDuration credit = std::max(shortest, ros::WallDuration(kCatchUp));
   ros::SteadyTime last_published = ros::SteadyTime::now();  // no clock that is set or simulated
   ros::SteadyTime due = last_published;                     // the rate allows the next cycle
+  ros::SteadyTime caught_up = last_published;               // nothing waited
   while (ros::ok()) {
     const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::SteadyTime::now();
     // One at a time: every pose gets its contact, as long as the rate allows.
@@ -147,6 +148,9 @@ void CollisionNode::run() {
     ros::SteadyTime now = ros::SteadyTime::now();
     for (; ros::ok() && now < due; now = ros::SteadyTime::now())
       tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
+    // Who cannot keep up answers the newest poses, not all of them ever later.
+    if (now - caught_up > ros::WallDuration(kCatchUp)) tf_queue_.callAvailable();
+    if (tf_queue_.isEmpty()) caught_up = ros::SteadyTime::now();
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
     if (!tips_moved && !others_moved && now - last_published < heartbeat) continue;
@@ -208,8 +212,12 @@ void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& ev
     for (std::uint32_t i = 0; i < missed; ++i) organ.countLostUpdate();
     enqueue(organ, update);
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kWarningPeriod, "refused an update of the mesh of '%s': %s",
-                       update.organ.c_str(), error.what());
+    std::string refusal = event.getPublisherName() + "'s update of the mesh of '" + update.organ +
+                          "': " + error.what();
+    if (update_log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++refusals_.count;
+    refusals_.last.swap(refusal);  // the former is freed after the lock
   }
 }
 
@@ -223,8 +231,9 @@ std::uint32_t CollisionNode::missedBefore(const ros::MessageEvent<MeshUpdate con
   const std::uint32_t missed = runs_on ? sequence - last->second - 1 : 0;
   last->second = sequence;
   if (missed == 0 || missed > kLargestGap) return 0;
-  ROS_WARN_THROTTLE(kWarningPeriod, "%u mesh updates of %s were lost on the way here", missed,
-                    publisher.c_str());
+  const std::string loss =
+      std::to_string(missed) + " mesh updates of " + publisher + " were lost on the way here";
+  if (update_log_.allows(loss)) ROS_WARN("%s", loss.c_str());
   return missed;
 }
 
@@ -245,7 +254,14 @@ void CollisionNode::updateOrgans() {
     organs_wait_->wait();
     if (stopping_) return;
     bool changed = false;
-    for (const auto& organ : organs_) changed = organ->work() || changed;
+    for (const auto& organ : organs_) {
+      try {
+        changed = organ->work() || changed;
+      } catch (const std::exception& error) {  // memory, most likely: what is there goes on
+        ROS_ERROR("%s: could not be updated: %s", organ->name().c_str(), error.what());
+        organ->countLostUpdate();
+      }
+    }
     if (changed) publishMeshInfo();
   }
 }
@@ -289,8 +305,13 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
   for (const Complaint& complaint : cycle->complaints) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                        complaint.first + ": " + complaint.reason);
+                        complaint.first + " to " + complaint.second + ": " + complaint.reason);
   }
+  if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
+    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                        "use_sim_time is set, but /clock stands at 0");
+  }
+  diagnoseRefusals(status);
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {
     const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
@@ -308,6 +329,21 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     status.add(organ->name() + " updates merged", counters.updates_merged);
     status.add(organ->name() + " updates lost", counters.updates_lost);
   }
+}
+
+/// A warning each time that there are more of them.
+void CollisionNode::diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const Refusals refusals = [this] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    Refusals copy = refusals_;
+    refusals_.told = refusals_.count;
+    return copy;
+  }();
+  status.add("mesh updates refused", refusals.count);
+  if (refusals.count == refusals.told) return;
+  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                      "refused " + std::to_string(refusals.count - refusals.told) +
+                          " mesh updates, at last " + refusals.last);
 }
 
 }  // namespace organ_collision::node

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "node/contact_cycle.h"
+#include "node/log_limit.h"
 #include "node/master_watch.h"
 #include "node/proximity_cycle.h"
 #include "node/services.h"
@@ -49,6 +50,13 @@ class CollisionNode {
     std::vector<Complaint> complaints;
   };
 
+  /// Of mesh updates.
+  struct Refusals {
+    std::size_t count = 0;
+    std::size_t told = 0;  // in diagnostics
+    std::string last;
+  };
+
   void hearTf(const std::string& topic, bool is_static);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
@@ -65,6 +73,7 @@ class CollisionNode {
   void publishDiagnostics();
   void checkMaster();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const io::Scene scene_;
   const Organs organs_;
@@ -74,13 +83,15 @@ class CollisionNode {
   ros::NodeHandle tf_node_;
   tf2::BufferCore buffer_;
   TransformIntake intake_;  // run() alone
+  LogLimit tf_log_;         // run() alone
   std::vector<ros::Subscriber> tf_subscribers_;
   ContactCycle cycle_;                              // run() alone
   ProximityCycle proximity_cycle_;                  // run() alone
   std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
 
-  mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
+  mutable std::mutex mutex_;  // of the three below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
+  Refusals refusals_;
   std::shared_ptr<const Cycle> last_cycle_ = std::make_shared<Cycle>();
 
   boost::recursive_mutex reconfigure_mutex_;
@@ -99,6 +110,7 @@ class CollisionNode {
 
   ros::CallbackQueue update_queue_;                     // worked off by update_spinner_ alone
   std::map<std::string, std::uint32_t> last_sequence_;  // of each publisher; update_spinner_ alone
+  LogLimit update_log_;                                 // update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
   Services services_;
   MasterWatch master_watch_;  // of a timer alone

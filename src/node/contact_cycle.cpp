@@ -82,7 +82,7 @@ ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& 
 std::vector<Complaint> ContactCycle::complaints(const ros::Time& now) const {
   std::vector<Complaint> complaints;
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
-    const std::string reason = tracked_[i].pose.complaint(now, scene_.stale_after);
+    const std::string reason = tracked_[i].pose.complaint(now, scene_.stale_after, buffer_);
     if (reason.empty()) continue;
     complaints.push_back({instruments_[scene_.pairs[i].instrument].name,
                           organs_[scene_.pairs[i].organ]->name(), reason});

@@ -3,10 +3,12 @@
 #include <tf2/exceptions.h>
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <exception>
+
 namespace organ_collision::node {
 namespace {
 
-constexpr double kFarthest = 1e100;  // [m] tf lets infinity pass
+constexpr double kFarthest = 1e8;  // [m] about where rounding would eat triangles of micrometres
 
 bool isUsable(const Eigen::Isometry3d& pose) {
   return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() < kFarthest;
@@ -21,11 +23,13 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     const geometry_msgs::TransformStamped transform = buffer.lookupTransform(target, source, time);
     const FramePose pose = {tf2::transformToEigen(transform), transform.header.stamp};
     if (!isUsable(pose.target_from_source)) {
-      return {std::nullopt, "tf says that " + source + " is infinitely far from " + target};
+      return {std::nullopt, "tf says that " + source + " is more than 1e8 m from " + target};
     }
     return {pose, ""};
   } catch (const tf2::TransformException& error) {
     return {std::nullopt, error.what()};
+  } catch (const std::exception& error) {  // times too far apart for tf2 to say how far
+    return {std::nullopt, source + " in " + target + ": " + error.what()};
   }
 }
 

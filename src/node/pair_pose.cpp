@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <vector>
 
 namespace organ_collision::node {
 namespace {
@@ -15,13 +17,40 @@ ros::Duration ageOf(const FramePose& pose, const ros::Time& now) {
   return ros::Duration().fromNSec(std::clamp(age, -longest, longest));
 }
 
-/// Empty where the pose is that of now.
-std::string complaintOf(const char* what, const FramePose& pose, const ros::Time& now,
-                        double stale_after) {
-  const double age = ageOf(pose, now).toSec();
-  if (std::abs(age) <= stale_after) return "";
-  return what + std::string(" is ") + std::to_string(std::abs(age)) +
-         (age < 0.0 ? " s ahead of the clock" : " s old");
+bool isOfNow(const FramePose& pose, const ros::Time& now, double stale_after) {
+  return std::abs(ageOf(pose, now).toSec()) <= stale_after;
+}
+
+/// The frame, the one it is told in, and so on.
+std::vector<std::string> ancestry(const tf2::BufferCore& buffer, const std::string& frame) {
+  constexpr std::size_t kMost = 100;  // some may run in a circle
+  std::vector<std::string> frames = {frame};
+  for (std::string parent;
+       frames.size() < kMost && buffer._getParent(frames.back(), ros::Time(), parent);)
+    frames.push_back(parent);
+  return frames;
+}
+
+/// Of the frames between these two, the one that tf has not told of for the longest; static ones
+/// aside.
+std::string quietest(const tf2::BufferCore& buffer, const std::string& one,
+                     const std::string& other) {
+  const std::vector<std::string> above_one = ancestry(buffer, one);
+  const std::vector<std::string> above_other = ancestry(buffer, other);
+  std::string found;
+  ros::Time last = ros::TIME_MAX;
+  const auto search = [&](const auto& frames, const auto& others) {
+    for (auto frame = frames.begin(); std::next(frame) != frames.end(); ++frame) {
+      if (std::find(others.begin(), others.end(), *frame) != others.end()) return;  // they meet
+      const auto pose = lookUpFrame(buffer, *std::next(frame), *frame).pose;
+      if (!pose || pose->stamp.isZero() || pose->stamp >= last) continue;
+      last = pose->stamp;
+      found = *frame;
+    }
+  };
+  search(above_one, above_other);
+  search(above_other, above_one);
+  return found;
 }
 
 }  // namespace
@@ -45,15 +74,25 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
 ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }
 
 bool PairPose::isLate(const ros::Time& now, double stale_after) const {
-  return !reason_.empty() || std::abs(age(now).toSec()) > stale_after;
+  return !reason_.empty() || !isOfNow(*second_from_first_, now, stale_after);
 }
 
-std::string PairPose::complaint(const ros::Time& now, double stale_after) const {
+std::string PairPose::complaint(const ros::Time& now, double stale_after,
+                                const tf2::BufferCore& buffer) const {
   if (!reason_.empty() || !isKnown()) return reason_;
-  const std::string of_first = complaintOf("the last pose", *second_from_first_, now, stale_after);
-  return of_first.empty() ? complaintOf("the last pose of the scene's frame", *scene_from_second_,
-                                        now, stale_after)
-                          : of_first;
+  const auto told = [&](const std::string& what, const FramePose& pose, const std::string& target,
+                        const std::string& source) {
+    const double age = ageOf(pose, now).toSec();
+    if (age < 0.0) return what + " is " + std::to_string(-age) + " s ahead of the clock";
+    return what + " is " + std::to_string(age) + " s old: since then tf has not told where '" +
+           quietest(buffer, source, target) + "' is";
+  };
+  if (!isOfNow(*second_from_first_, now, stale_after))
+    return told("the last pose", *second_from_first_, frames_.second, frames_.first);
+  if (!isOfNow(*scene_from_second_, now, stale_after))
+    return told("the last pose of the scene's frame", *scene_from_second_, frames_.scene,
+                frames_.second);
+  return "";
 }
 
 }  // namespace organ_collision::node

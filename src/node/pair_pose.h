@@ -47,8 +47,10 @@ class PairPose {
   /// The first's pose is not that of now.
   bool isLate(const ros::Time& now, double stale_after) const;
 
-  /// Why the poses are not those of now; empty: they are. REQUIRES no more than lookUp().
-  std::string complaint(const ros::Time& now, double stale_after) const;
+  /// Why the poses are not those of now, and of which frame `buffer` has heard no more; empty: they
+  /// are. REQUIRES no more than lookUp().
+  std::string complaint(const ros::Time& now, double stale_after,
+                        const tf2::BufferCore& buffer) const;
 
  private:
   PairFrames frames_;

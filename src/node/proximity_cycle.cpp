@@ -123,7 +123,7 @@ ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Acc
 std::vector<Complaint> ProximityCycle::complaints(const ros::Time& now) const {
   std::vector<Complaint> complaints;
   for (const Tracked& tracked : tracked_) {
-    const std::string reason = tracked.pose.complaint(now, scene_.stale_after);
+    const std::string reason = tracked.pose.complaint(now, scene_.stale_after, buffer_);
     if (reason.empty()) continue;
     complaints.push_back({nameOf(tracked.pair.of, tracked.pair.first),
                           nameOf(tracked.pair.of, tracked.pair.second), reason});

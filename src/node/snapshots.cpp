@@ -47,7 +47,9 @@ std::shared_ptr<const OrganSnapshot> Snapshots::current() const {
 std::unique_ptr<OrganSnapshot> Snapshots::writable() {
   const std::shared_ptr<const OrganSnapshot> now = current();
   std::unique_ptr<OrganSnapshot> spare = shelf_->take();
-  if (!spare) return std::make_unique<OrganSnapshot>(*now);
+  // That of another mesh would keep its memory, however large that was.
+  if (!spare || &spare->organ.topology() != &now->organ.topology())
+    return std::make_unique<OrganSnapshot>(*now);
   if (spare->hierarchy != now->hierarchy) *spare = *now;  // into the memory that it has
   return spare;
 }

@@ -2,21 +2,56 @@
 
 #include <cmath>
 #include <exception>
+#include <sstream>
 
 namespace organ_collision::node {
 namespace {
 
+using geometry_msgs::Quaternion;
+using geometry_msgs::TransformStamped;
+
+constexpr double kTolerance = 0.01;  // tf2's, of a rotation's squared length
+
+double squaredLength(const Quaternion& q) { return q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w; }
+
 /// Rotations are rounded on their way here: tf2 takes what is off by a percent for one, and then
 /// scales what it turns by as much.
-void normalize(geometry_msgs::Quaternion& rotation) {
-  constexpr double kTolerance = 0.01;  // tf2's, of the squared length: it refuses the others
-  auto& [x, y, z, w] = rotation;
-  const double squared_length = x * x + y * y + z * z + w * w;
-  if (!(std::abs(squared_length - 1.0) <= kTolerance)) return;
-  for (double* part : {&x, &y, &z, &w}) *part /= std::sqrt(squared_length);
+void normalize(Quaternion& rotation) {
+  const double length = std::sqrt(squaredLength(rotation));
+  for (double* part : {&rotation.x, &rotation.y, &rotation.z, &rotation.w}) *part /= length;
+}
+
+std::string text(const Quaternion& q) {
+  std::ostringstream text;
+  text << "(" << q.x << ", " << q.y << ", " << q.z << ", " << q.w << ")";
+  return text.str();
+}
+
+/// What is wrong with a transform; empty: nothing. tf2 would drop the most of it too, but say so
+/// on stderr alone, each time.
+std::string faultOf(const TransformStamped& transform, bool is_static, const ros::Time& now) {
+  const auto& [translation, rotation] = transform.transform;
+  const double ahead = transform.header.stamp.toSec() - now.toSec();
+  if (transform.child_frame_id.empty() || transform.header.frame_id.empty())
+    return "a frame has no name";
+  if (transform.child_frame_id == transform.header.frame_id) return "that is itself";
+  if (!std::isfinite(translation.x + translation.y + translation.z))
+    return "its translation is not finite";
+  if (!(std::abs(squaredLength(rotation) - 1.0) <= kTolerance))
+    return "its rotation " + text(rotation) + " is not of length 1";
+  if (!is_static && transform.header.stamp.isZero()) return "it does not say when";
+  if (ahead > TransformIntake::kFarthestAhead)
+    return "it is " + std::to_string(ahead) + " s ahead of the clock";
+  return "";
 }
 
 }  // namespace
+
+/// Notes it if it is new.
+bool TransformIntake::isKnownAs(const std::string& frame, bool is_static) {
+  const std::string name = frame.substr(frame.front() == '/' ? 1 : 0);  // as tf2 has it
+  return is_static_.try_emplace(name, is_static).first->second == is_static;
+}
 
 std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std::string& publisher,
                                   bool is_static, const ros::Time& now) {
@@ -27,24 +62,22 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     buffer_.clear();  // but for static transforms
   }
   last_ = now;
-  for (geometry_msgs::TransformStamped transform : message.transforms) {
+  for (TransformStamped transform : message.transforms) {
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
-    if (!is_static && transform.header.stamp.isZero()) {
-      refusal = "tf says where '" + transform.child_frame_id + "' is, but not when: refused";
-      continue;
-    }
-    const double ahead = transform.header.stamp.toSec() - now.toSec();
-    if (ahead > kFarthestAhead) {
-      refusal = "tf says where '" + transform.child_frame_id + "' is " + std::to_string(ahead) +
-                " s from now: refused";
-      continue;
-    }
-    normalize(transform.transform.rotation);
+    std::string fault = faultOf(transform, is_static, now);
+    if (fault.empty() && !isKnownAs(transform.child_frame_id, is_static))
+      fault = is_static ? "it was on /tf before" : "it was on /tf_static before";
     try {
-      buffer_.setTransform(transform, publisher, is_static);
+      if (fault.empty()) {
+        normalize(transform.transform.rotation);
+        buffer_.setTransform(transform, publisher, is_static);
+      }
     } catch (const std::exception& error) {
-      refusal = error.what();
+      fault = error.what();
     }
+    if (fault.empty()) continue;
+    refusal = "refused where " + publisher + " says that '" + transform.child_frame_id +
+              "' is in '" + transform.header.frame_id + "': " + fault;
   }
   return refusal;
 }

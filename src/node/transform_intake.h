@@ -4,6 +4,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <map>
 #include <string>
 
 namespace organ_collision::node {
@@ -13,7 +14,9 @@ namespace organ_collision::node {
 /// as tf2_ros does. A transform ahead of the clock is refused, as tf2_ros does not: the buffer
 /// drops what is much older than its newest entry, so one from the future, or one sent before a
 /// reset and heard after it, would shut out the true ones until their time has come. So is one on
-/// /tf without a stamp: tf2 would keep the first of them for ever. Rotations are normalized.
+/// /tf without a stamp: tf2 would keep the first of them for ever. So is what is no transform at
+/// all, and what moves a frame that was static, or the other way round: tf2 takes a frame for what
+/// it was first, and would call it static for ever, or old. Rotations are normalized.
 class TransformIntake {
  public:
   static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ
@@ -27,8 +30,11 @@ class TransformIntake {
                    const ros::Time& now);
 
  private:
+  bool isKnownAs(const std::string& frame, bool is_static);
+
   tf2::BufferCore& buffer_;
-  ros::Time last_;  // when take() was last called
+  ros::Time last_;                         // when take() was last called
+  std::map<std::string, bool> is_static_;  // frames
 };
 
 }  // namespace organ_collision::node

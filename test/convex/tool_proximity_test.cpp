@@ -243,5 +243,17 @@ TEST(ToolProximity, OfRoundShapesIsThatOfTheirCores) {
   }
 }
 
+TEST(ToolProximity, OfAHullLeavesOutVerticesWithoutATriangle) {
+  const core::TriangleMesh cube = test::cube();
+  core::Points points = cube.positions();
+  points.emplace_back(0, 0, 50);
+  const RigidMesh mesh{
+      std::make_shared<const CollisionMesh>(core::TriangleMesh(points, cube.triangles())),
+      Isometry3d::Identity(), true};
+  EXPECT_NEAR(
+      toolProximity({mesh}, Isometry3d::Identity(), {Sphere{{0.5, 0.5, 10}, 1}}, {}).distance, 8.0,
+      1e-9);
+}
+
 }  // namespace
 }  // namespace organ_collision::convex

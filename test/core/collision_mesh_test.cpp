@@ -229,5 +229,26 @@ TEST(CollisionMesh, StaysAsItWasWhenPositionsDoNotFit) {
   EXPECT_EQ(nearestTriangle(organ, Eigen::Vector3d(0.5, 0.5, 3.0)).distance, 2.0);
 }
 
+TEST(CollisionMesh, TakesTheLastOfTwoPlacesOfAVertex) {
+  CollisionMesh organ(test::cube());
+  const VertexId vertex{0};
+  const Eigen::Vector3d before = organ.mesh().position(vertex);
+  organ.refit({vertex, vertex}, {{-100, 0, 0}, before});
+  EXPECT_EQ(organ.mesh().position(vertex), before);
+  EXPECT_EQ(organ.health().box.low, CollisionMesh(test::cube()).health().box.low);
+}
+
+TEST(CollisionMesh, MayBeSmallerThanNumbersCanScaleUp) {
+  for (const double size : {1e-307, 1e-308, 1e-310, 5e-324}) {
+    const CollisionMesh organ(test::cube(size));
+    EXPECT_TRUE(std::isfinite(organ.wideTree().frame().scale));
+    const Eigen::Vector3d near(0.5 * size, 0.5 * size, 3 * size);
+    for (const Eigen::Vector3d& tip : {near, Eigen::Vector3d(0.1, 0.2, 0.3)}) {
+      const double distance = std::abs(nearestTriangle(organ, tip).distance);
+      EXPECT_NEAR(distance, tip.norm(), 1e-15);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace organ_collision::core

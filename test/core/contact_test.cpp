@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <memory>
@@ -269,6 +270,17 @@ TEST(Contact, OfSeveralPiecesIsCertainIfOneCollidesOrAllAreCertain) {
   EXPECT_TRUE(greedy({away, away}).colliding_certain);
   EXPECT_TRUE(greedy({unsure, Sphere{{0, 0, 0}, 1.0}}).colliding_certain);
   EXPECT_TRUE(contact(organ, {away, on}, Eigen::Isometry3d::Identity()).colliding_certain);
+}
+
+TEST(Contact, OfACapsuleThatIsNearlyASphereHasItsPointTowardsTheOrgan) {
+  std::mt19937 generator(61);
+  const CollisionMesh organ(test::cube());
+  for (int i = 0; i < 20000; ++i) {
+    const Vector3d a = Vector3d(3, 3, 3) + test::randomPoint(generator, 1.5);
+    const Vector3d b = a + test::randomPoint(generator, std::ldexp(1.0, -44 - i % 8));
+    const NearestTriangle nearest = contact(organ, Capsule{a, b, 0.5}).nearest;
+    ASSERT_NEAR((nearest.tip_point - nearest.closest.point).norm(), nearest.distance, 1e-10);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -113,9 +114,16 @@ double truth(const CollisionMesh& first, const Isometry3d& pose, const Collision
       least = std::min(least, pair.on_second.squared_distance);
     }
   }
+  const auto any_inside = [](const CollisionMesh& solid, const Isometry3d& solid_from_other,
+                             const CollisionMesh& other) {
+    const auto& parts = other.topology().parts();
+    return std::any_of(parts.begin(), parts.end(), [&](VertexId vertex) {
+      return holds(solid, solid_from_other * other.mesh().position(vertex));
+    });
+  };
   const bool inside =
-      least > 0.0 && (holds(second, pose * first.mesh().triangle(TriangleId{0}).a) ||
-                      holds(first, pose.inverse() * second.mesh().triangle(TriangleId{0}).a));
+      least > 0.0 && (any_inside(second, pose, first) ||
+                      any_inside(first, Isometry3d(pose.inverse(Eigen::Affine)), second));
   return inside ? -std::sqrt(least) : std::sqrt(least);
 }
 
@@ -345,6 +353,53 @@ TEST(Contact, OfAMeshCollidesWhereSolidsMeet) {
   EXPECT_TRUE(touches(at(0.5, 0.5, 1.0)));
   EXPECT_TRUE(touches(at(0.5, 0.5, 0.875)));
   EXPECT_TRUE(touches(at(0.5, 0.5, 0.5)));
+}
+
+TEST(NearestPair, OfASpeckAndAnOrganIsExact) {
+  std::mt19937 generator(91);
+  const CollisionMesh organ(test::blob(3));
+  for (const int exponent : {-50, -59, -61, -70, -300, -1000}) {
+    const CollisionMesh speck(test::cube(std::ldexp(1.0, exponent)));
+    for (int i = 0; i < 50; ++i) {
+      Isometry3d pose = Isometry3d::Identity();
+      pose.translation() = test::randomPoint(generator, 2.0);
+      const double expected = std::abs(nearestTriangle(organ, pose.translation()).distance);
+      const double slack = 1e-14 + 2 * std::ldexp(1.0, exponent);
+      ASSERT_NEAR(std::abs(nearestPair(speck, pose, organ).nearest.distance), expected, slack);
+      ASSERT_NEAR(std::abs(nearestPair(organ, pose.inverse(), speck).nearest.distance), expected,
+                  slack);
+      const NearestTriangle few = nearestPair(speck, pose, organ, Accuracy::greedy()).nearest;
+      ASSERT_LE(few.lower_bound, expected + slack);
+    }
+  }
+}
+
+TEST(NearestPair, KnowsTheInsideThroughAPoseThatIsNotQuiteRigid) {
+  Isometry3d stretched = Isometry3d::Identity();
+  stretched.linear() *= 1.01;
+  const CollisionMesh first(test::placed(test::cube(), 1.0, {100, 0, 0}));
+  const CollisionMesh second(test::placed(test::cube(), 0.1, {101.4, 0.45, 0.45}));
+  EXPECT_LT(nearestPair(first, stretched, second).nearest.distance, 0.0);
+}
+
+/// Say, of a simulator that has set no vertex yet.
+TEST(NearestPair, OfSurfacesThatAreNoMoreThanPointsAsksOnePair) {
+  const auto shrunk = [](std::size_t levels) {
+    CollisionMesh organ(test::blob(levels));
+    organ.refit(Points(organ.mesh().positions().size(), Vector3d(0, 0, 0)));
+    return organ;
+  };
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = Vector3d(3, 4, 0);
+  const CollisionMesh first = shrunk(5);
+  const CollisionMesh second = shrunk(4);
+  const NearestPair pair = nearestPair(first, pose, second);
+  EXPECT_EQ(pair.nearest.distance, 5.0);
+  EXPECT_EQ(pair.triangle_of_first, first.tree().triangle(0));
+  EXPECT_EQ(pair.nearest.triangle, second.tree().triangle(0));
+  EXPECT_LE(pair.nearest.work.triangles, 2U);
+  PairTracker tracker;
+  EXPECT_EQ(tracker.nearestPair(first, {}, pose, second, {}).nearest.distance, 5.0);
 }
 
 }  // namespace

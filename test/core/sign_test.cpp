@@ -193,6 +193,32 @@ TEST(Sign, OfASolidThatIsPressedFlatIsThatOfTheWindingNumber) {
   }
 }
 
+/// Far from the origin, where what is nearest of it is rounded.
+TEST(Sign, OfATriangleIsThatOfItsCorners) {
+  std::mt19937 generator(26);
+  for (const double far : {10.0, 1e6}) {
+    int asked = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const Eigen::Isometry3d pose = test::randomPose(generator, far);
+      Points points = test::cube().positions();
+      for (Eigen::Vector3d& point : points) point = pose * point;
+      const CollisionMesh organ(TriangleMesh(points, test::cube().triangles()));
+      const double height = far * std::ldexp(1.0, -50 - static_cast<int>(generator() % 10));
+      const auto near_top = [&] {
+        const Eigen::Vector3d place = randomPoint(generator, 0.4);
+        return pose * Eigen::Vector3d(0.5 + place.x(), 0.5 + place.y(), 1.0 + height);
+      };
+      const Eigen::Vector3d end = near_top();
+      const Triangle tip = {near_top(), end, end};
+      const NearestTriangle nearest = nearestTriangle(organ, tip);
+      if (nearest.distance == 0.0) continue;
+      ++asked;
+      ASSERT_EQ(nearest.distance < 0.0, windingNumber(organ, tip.a) != 0);
+    }
+    EXPECT_GT(asked, 100);
+  }
+}
+
 TEST(Pseudonormal, IsAUnitVectorHoweverShortAnEdgeIs) {
   const double tiny = 0x1p-600;
   for (const Points& points :

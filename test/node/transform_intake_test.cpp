@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -99,6 +100,33 @@ TEST_F(TransformIntakeTest, ARotationThatIsRoundedScalesNothing) {
     ASSERT_TRUE(pose);
     EXPECT_NEAR((pose->target_from_source * Eigen::Vector3d(0.3, 0.0, 0.0)).norm(), 0.3, 1e-15);
   }
+}
+
+TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
+  const auto refusal = [this](const auto& spoil) {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    geometry_msgs::TransformStamped& transform = message.transforms.front();
+    transform.header.frame_id = "liver";
+    transform.header.stamp = ros::Time(1.0);
+    transform.child_frame_id = "tip";
+    transform.transform.rotation.w = 1.0;
+    spoil(transform);
+    return intake_.take(message, "/arm", false, ros::Time(1.0));
+  };
+  using Transform = geometry_msgs::TransformStamped;
+  EXPECT_EQ(refusal([](Transform& t) { t.transform.rotation.w = 0.0; }),
+            "refused where /arm says that 'tip' is in 'liver': its rotation (0, 0, 0, 0) is not of "
+            "length 1");
+  EXPECT_THAT(refusal([](Transform& t) { t.transform.rotation.x = 2.0; }),
+              HasSubstr("(2, 0, 0, 1)"));
+  EXPECT_THAT(refusal([](Transform& t) { t.transform.translation.y = std::nan(""); }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "liver"; }), HasSubstr("itself"));
+  EXPECT_THAT(refusal([](Transform& t) { t.header.frame_id = ""; }), HasSubstr("no name"));
+  EXPECT_FALSE(knows("tip"));
+  EXPECT_EQ(refusal([](Transform&) {}), "");
+  EXPECT_TRUE(knows("tip"));
 }
 
 TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {

@@ -37,6 +37,8 @@ class MeshTopology {
   bool consistentlyWound() const {
     return consistently_wound_;
   }  ///< neighbours run along their edge in opposite senses
+  /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
+  const std::vector<VertexId>& parts() const { return parts_; }
   std::size_t duplicateTriangles() const {
     return duplicate_triangles_;
   }  ///< same corners as an earlier one
@@ -54,12 +56,14 @@ class MeshTopology {
 
   void weldVertices(const TriangleMesh& mesh);
   void listTriangles(const TriangleMesh& mesh);
+  void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
   std::vector<std::uint32_t> offsets_;     // of each weld into triangles_at_, one more at the end
   std::vector<TriangleId> triangles_at_;
+  std::vector<VertexId> parts_;
   bool closed_ = true;
   bool consistently_wound_ = true;
   std::size_t duplicate_triangles_ = 0;

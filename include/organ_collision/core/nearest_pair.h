@@ -13,7 +13,8 @@ struct NearestPair {
 };
 
 /// The nearest triangles of two surfaces, with the proof of how wrong that may be. The distance is
-/// 0 where the surfaces meet, and negative where they do not and one is inside the other's solid.
+/// 0 where the surfaces meet, and negative where they do not and one, or a part of it that hangs
+/// together, is inside the other's solid.
 /// An exact answer is the least of all computed triangle-triangle distances, bit for bit, those of
 /// the first moved by the pose; of several it names the first in the hierarchies' order, but where
 /// surfaces meet any two triangles that do. max_leaves counts pairs of triangles; 1 is the paper's

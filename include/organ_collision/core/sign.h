@@ -31,9 +31,9 @@ SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Fea
 
 /// The side of the organ on which a point is; none where the organ is no solid. `closest` must be
 /// the point of the organ exactly nearest to `point`, `normal` the surface's there. The side is
-/// told by the normal where rounding cannot turn it and the organ has a thickness, else by the
-/// winding number. Where a part of it has none, two faces with opposite normals coincide: there the
-/// side is that of the first.
+/// told by the normal where rounding cannot turn it, the organ hangs together and has a thickness,
+/// else by the winding number. Where a part of it has none, two faces with opposite normals
+/// coincide: there the side is that of the first.
 std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
                            const ClosestPoint& closest, const SurfaceNormal& normal);
 

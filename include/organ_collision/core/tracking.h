@@ -10,7 +10,9 @@ namespace organ_collision::core {
 /// How a mesh has moved, as whoever moves it counts it.
 struct MeshMotion {
   std::uint64_t build = 0;  ///< another number for every hierarchy that was built
-  double travel = 0.0;  ///< [m] sum, over the refits since, of the farthest that a vertex was moved
+  /// [m] Sum, over the refits since, of the farthest that a vertex was moved; another number after
+  /// each, also where rounding would take a step from it.
+  double travel = 0.0;
 };
 
 /// Follows one tip over one organ: each answer starts from what the last one learnt. The packets of

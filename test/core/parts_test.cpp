@@ -1,0 +1,65 @@
+// Surfaces of several parts.
+#include <gtest/gtest.h>
+
+#include "organ_collision/core/contact.h"
+#include "organ_collision/core/sign.h"
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::cube;
+using test::joined;
+using test::placed;
+
+std::size_t partsOf(const TriangleMesh& mesh) { return MeshTopology(mesh).parts().size(); }
+
+TEST(Parts, AreWhatHangsTogether) {
+  EXPECT_EQ(partsOf(cube()), 1U);
+  EXPECT_EQ(partsOf(test::shuffled(test::blob(4), 5)), 1U);
+  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 0.5, {2, 0, 0}))), 2U);
+  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 1.0, {1, 1, 1}))), 1U) << "they share a vertex";
+  EXPECT_EQ(partsOf(test::shuffled(test::tetrahedra({0, 10, 20, 30}), 6)), 4U);
+  Points points = cube().positions();
+  points.insert(points.begin(), Vector3d(9, 9, 9));
+  EXPECT_EQ(partsOf({points, {test::corners(1, 2, 3)}}), 1U) << "some vertices have no triangle";
+}
+
+TEST(Parts, OneOfWhichIsInsideASolidCollideWithIt) {
+  const CollisionMesh solid(cube());
+  const CollisionMesh two(
+      joined(placed(cube(), 0.1, {10, 0, 0}), placed(cube(), 0.1, {0.4, 0.4, 0.4})));
+  for (const bool swapped : {false, true}) {
+    const NearestPair pair = swapped ? nearestPair(solid, Isometry3d::Identity(), two)
+                                     : nearestPair(two, Isometry3d::Identity(), solid);
+    EXPECT_NEAR(pair.nearest.distance, -0.4, 1e-15);
+    EXPECT_TRUE(pair.nearest.distance_signed);
+  }
+  const Contact found =
+      contact(solid, RigidMesh{std::make_shared<const CollisionMesh>(two), Isometry3d::Identity()});
+  EXPECT_TRUE(found.colliding);
+}
+
+/// Whatever normals say.
+TEST(Parts, HaveTheSideThatTheWindingNumberTells) {
+  const TriangleMesh inner = placed(cube(), 0.5, {0.25, 0.25, 0.25});
+  const TriangleMesh beside = placed(cube(), 0.5, {2, 0, 0});
+  std::mt19937 generator(51);
+  for (const TriangleMesh& mesh :
+       {joined(cube(), inner), joined(cube(), test::turned(inner)), joined(cube(), beside),
+        joined(cube(), test::turned(beside)), test::turned(joined(cube(), inner))}) {
+    const CollisionMesh organ(mesh);
+    ASSERT_TRUE(organ.health().isSolid());
+    for (int i = 0; i < 2000; ++i) {
+      const Vector3d tip = Vector3d(1, 0.5, 0.5) + test::randomPoint(generator, 2.0);
+      const NearestTriangle nearest = nearestTriangle(organ, tip);
+      ASSERT_TRUE(nearest.distance_signed);
+      ASSERT_EQ(nearest.distance < 0.0, windingNumber(organ, tip) != 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core
