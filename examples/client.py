@@ -3,6 +3,9 @@
 
 rosrun organ_collision client.py [_alarm:=0.005] [_node:=organ_collision]
 """
+import math
+import time
+
 import rospy
 
 from organ_collision.msg import Contact, ContactArray
@@ -13,14 +16,24 @@ class Client:
     def __init__(self):
         self.alarm = rospy.get_param("~alarm", 0.005)  # [m]
         node = rospy.get_param("~node", "organ_collision")
+        self.told_at = {}  # when each pair was told last
         self.find = rospy.ServiceProxy(node + "/find_triangles_within", FindTrianglesWithin)
+        rospy.loginfo("waiting for %s", self.find.resolved_name)
         self.find.wait_for_service()
         rospy.Subscriber(node + "/contacts", ContactArray, self.hear, queue_size=1)
 
     def hear(self, array):
         for contact in array.contacts:
-            if contact.status == Contact.OK and contact.nearest.distance < self.alarm:
+            if contact.status == Contact.OK and contact.nearest.distance < self.alarm and self.is_due(contact):
                 self.tell(contact, self.around(contact, array.header.frame_id))
+
+    def is_due(self, contact):
+        """Whether this pair was not told within the last second."""
+        pair, now = (contact.instrument, contact.organ), time.monotonic()
+        due = now - self.told_at.get(pair, -math.inf) > 1.0
+        if due:
+            self.told_at[pair] = now
+        return due
 
     def around(self, contact, frame):
         """How many triangles are within 5 mm of the nearest point."""
@@ -30,9 +43,8 @@ class Client:
         return len(answer.triangles) if answer.success else answer.message
 
     def tell(self, contact, triangles):
-        rospy.loginfo_throttle_identical(1.0, "%s %s %s: triangle %d; within 5 mm: %s" % (
-            contact.instrument, "touches" if contact.colliding else "is near", contact.organ,
-            contact.nearest.triangle, triangles))
+        rospy.loginfo("%s %s %s: triangle %d; within 5 mm: %s", contact.instrument,
+                      "touches" if contact.colliding else "is near", contact.organ, contact.nearest.triangle, triangles)
 
 
 if __name__ == "__main__":

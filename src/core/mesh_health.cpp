@@ -105,7 +105,8 @@ std::vector<std::string> warnings(const MeshHealth& health) {
   };
   const double side = (health.box.high - health.box.low).maxCoeff();
   if (side > kLargestOrgan)
-    add("the largest side is ", side, " m: millimetres? then set the organ's scale to 0.001");
+    add("the largest side is ", side,
+        " m: millimetres? a file's become metres by scale: 0.001, an update's are metres");
   if (side < kSmallestOrgan)
     add("the largest side is ", side, " m: small for an organ; is the scale right?");
   if (!health.closed) add("the surface is not closed: distances carry no sign");

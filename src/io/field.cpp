@@ -27,6 +27,12 @@ struct Shown {
   std::string operator()(const Map&) const { return "a map"; }
 };
 
+bool isNumber(const std::string& text) {
+  std::istringstream stream(text);
+  double number = 0.0;
+  return stream >> number && stream.eof();
+}
+
 }  // namespace
 
 std::string joined(const std::vector<std::string_view>& names) {
@@ -45,6 +51,9 @@ const Kind& Field::as(const std::string& wanted) const {
 template <typename IsWanted>
 double Field::number(const std::string& wanted, const IsWanted& is_wanted) const {
   const int* const integer = std::get_if<int>(value_);
+  const auto* const text = std::get_if<std::string>(value_);
+  // As ROS reads YAML, 1e-3 is a text.
+  if (text != nullptr && isNumber(*text)) refuseFor(wanted + ", written like 0.001 or 1.0e-3");
   const double number = integer != nullptr ? *integer : as<double>(wanted);
   if (!is_wanted(number)) refuseFor(wanted);
   return number;
@@ -101,7 +110,7 @@ std::string Field::frame() const {
 bool Field::yesOrNo() const { return as<bool>("true or false"); }
 
 std::uint32_t Field::count() const {
-  const char* const wanted = "an integer, 0 or above";
+  const char* const wanted = "an integer without a point, 0 or above";
   const int count = as<int>(wanted);
   if (count < 0) refuseFor(wanted);
   return static_cast<std::uint32_t>(count);

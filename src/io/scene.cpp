@@ -114,7 +114,11 @@ void refuseKeysOfOthers(const Field& instrument, const Kind& kind) {
     for (const std::string_view key : other.keys) {
       const auto field = instrument.find(std::string(key));
       if (field && !has(kind, key)) {
-        field->refuse(std::string("a ") + kind.name + " has none; a " + other.name + " has");
+        const std::string is_none =
+            instrument.find("shape") || instrument.find("link")
+                ? std::string("a ") + kind.name + " has none"
+                : "without a shape it is a " + std::string(kind.name) + ", which has none";
+        field->refuse(is_none + "; a " + other.name + " has");
       }
     }
   }
@@ -148,7 +152,11 @@ class NameTable {
   Entry find(const Field& field) const {
     const std::string name = field.text();
     const auto found = entries_.find(name);
-    if (found == entries_.end()) field.refuse("'" + name + "' is no organ or instrument");
+    if (found == entries_.end()) {
+      std::vector<std::string_view> known;
+      for (const auto& entry : entries_) known.emplace_back(entry.first);
+      field.refuse("'" + name + "' is no organ or instrument; known: " + joined(known));
+    }
     return found->second;
   }
 

@@ -89,6 +89,14 @@ core::Shapes shapesOf(const io::Instrument& instrument, const io::Scene& scene,
                       build_time);
 }
 
+/// Such as are probably not in metres.
+void warnOfSize(const Instrument& instrument) {
+  constexpr double kLargest = 2.0;  // [m]
+  const core::Box box = core::boxOf(instrument.shapes, Eigen::Isometry3d::Identity());
+  const double side = (box.high - box.low).maxCoeff();
+  if (side > kLargest) ROS_WARN("%s: is %g m long: millimetres?", instrument.name.c_str(), side);
+}
+
 bool isInAPair(const io::Scene& scene, std::size_t instrument) {
   const auto names_it = [&](const io::Pair& pair) { return pair.instrument == instrument; };
   const auto likens_it = [&](const io::LikePair& pair) {
@@ -112,8 +120,11 @@ std::string pathOf(const char* list, std::size_t i, const Thing& thing) {
 io::Scene readScene(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue parameter;
   if (!private_node.getParam("scene", parameter)) {
+    const char* const keyless = private_node.hasParam("organs")
+                                    ? ", but organs is: is 'scene:' missing above it in the file?"
+                                    : ": load a scene, as organ_collision.launch does";
     throw std::invalid_argument("the parameter " + private_node.resolveName("scene") +
-                                " is not set: load a scene, as organ_collision.launch does");
+                                " is not set" + keyless);
   }
   return io::parseScene(fromParameter(parameter));
 }
@@ -141,6 +152,7 @@ Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node)
     } catch (const std::exception& error) {
       throw std::runtime_error(pathOf("instruments", i, instrument) + ": " + error.what());
     }
+    warnOfSize(instruments.back());
   }
   return instruments;
 }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <fstream>
 #include <limits>
 #include <string>
 
@@ -237,6 +239,28 @@ TEST_F(MeshFormats, TurnsTheTrianglesOfAMirroredNodeRound) {
   EXPECT_EQ(triangle.a, shape.positions[0]);
   EXPECT_EQ(triangle.b + triangle.c, shape.positions[1] + shape.positions[2]);
   EXPECT_GT((triangle.b - triangle.a).cross(triangle.c - triangle.a).y(), 0.0);
+}
+
+/// A triangle whose numbers are in another file, or in this one.
+std::string gltf(const std::string& uri) {
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "buffers": [{"byteLength": 36, "uri": ")" +
+         uri + "\"}]}";
+}
+
+/// They may lie where no mesh may be read.
+TEST_F(MeshFormats, OpensNoOtherFilesThatAFileNames) {
+  const std::string numbers = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+  const std::string embedded = "data:application/octet-stream;base64," + numbers;
+  EXPECT_EQ(load("m.gltf", gltf(embedded)).triangleCount(), 1U);
+  std::ofstream(folder_.path() / "other.bin", std::ios::binary)
+      .write(reinterpret_cast<const char*>(std::array<float, 9>{0, 0, 0, 1, 0, 0, 0, 1, 0}.data()),
+             36);
+  EXPECT_NE(refusal("m.gltf", gltf("other.bin")), "");
 }
 
 }  // namespace

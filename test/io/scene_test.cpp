@@ -177,8 +177,9 @@ TEST(Scene, RefusesWrongTypes) {
             "scene.organs[0].scale: 'big', but it must be a finite number above 0");
   EXPECT_EQ(refusal(with(scene(), "rate", true)),
             "scene.rate: true, but it must be a finite number above 0");
-  EXPECT_EQ(refusal(with(scene(), "accuracy", Map{{"max_leaves", 1.5}})),
-            "scene.accuracy.max_leaves: 1.5, but it must be an integer, 0 or above");
+  EXPECT_EQ(
+      refusal(with(scene(), "accuracy", Map{{"max_leaves", 1.5}})),
+      "scene.accuracy.max_leaves: 1.5, but it must be an integer without a point, 0 or above");
   EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "shape", Map{}))),
             "scene.instruments[0].shape: a map, but it must be a text");
 }
@@ -208,7 +209,15 @@ TEST(Scene, RefusesNumbersOutOfRange) {
     EXPECT_EQ(refused(most), "accepted");
   }
   EXPECT_EQ(refusal(with(scene(), "accuracy", Map{{"max_leaves", -1}})),
-            "scene.accuracy.max_leaves: -1, but it must be an integer, 0 or above");
+            "scene.accuracy.max_leaves: -1, but it must be an integer without a point, 0 or above");
+}
+
+TEST(Scene, TellsHowANumberIsWrittenThatCameAsAText) {
+  EXPECT_EQ(refusal(withOrgan(with(organ("liver"), "scale", "1e-3"))),
+            "scene.organs[0].scale: '1e-3', but it must be a finite number above 0, written like "
+            "0.001 or 1.0e-3");
+  EXPECT_EQ(refusal(withOrgan(with(organ("liver"), "scale", "1e-3 m"))),
+            "scene.organs[0].scale: '1e-3 m', but it must be a finite number above 0");
 }
 
 TEST(Scene, RefusesEmptyTextsAndFramesWithASlash) {
@@ -238,7 +247,8 @@ TEST(Scene, RefusesANameThatIsTaken) {
 
 TEST(Scene, RefusesPairsThatMeanNothing) {
   EXPECT_EQ(refusal(withPairs({Value(pair("left", "spleen"))})),
-            "scene.pairs[0][1]: 'spleen' is no organ or instrument");
+            "scene.pairs[0][1]: 'spleen' is no organ or instrument; known: left, liver, right, "
+            "stomach");
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("left", "left")})),
             "scene.pairs[1]: it names 'left' twice");
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("liver", "left")})),
@@ -312,7 +322,8 @@ TEST(Scene, RefusesAShapeWithoutSize) {
 
 TEST(Scene, RefusesAKeyThatBelongsToAnotherShape) {
   EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "radius", 0.003))),
-            "scene.instruments[0].radius: a point has none; a sphere has");
+            "scene.instruments[0].radius: without a shape it is a point, which has none; a sphere "
+            "has");
   EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "shape", "sphere"), "mesh", "a"))),
             "scene.instruments[0].mesh: a sphere has none; a mesh has");
   EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "shape", "point"), "link", "a"))),
@@ -342,7 +353,8 @@ TEST(Scene, RefusesATriangleWithoutItsCornersAndCornersWithoutATriangle) {
   const Map triangle = with(instrument("left"), "shape", "triangle");
   EXPECT_EQ(refusal(withInstrument(triangle)), "scene.instruments[0].corners: is missing");
   EXPECT_EQ(refusal(withInstrument(with(instrument("left"), "corners", kCorners))),
-            "scene.instruments[0].corners: a point has none; a triangle has");
+            "scene.instruments[0].corners: without a shape it is a point, which has none; a "
+            "triangle has");
   EXPECT_EQ(refusal(withInstrument(with(triangle, "corners", List{kCorners[0], kCorners[1]}))),
             "scene.instruments[0].corners: a list of 2, but it must be a list of 3");
   EXPECT_EQ(

@@ -60,6 +60,17 @@ TEST(Snapshots, WhatIsWrittenNextHasTheCurrentSplits) {
   EXPECT_EQ(next->organ.mesh().triangleCount(), 32U);
 }
 
+TEST(Snapshots, KeepNoMemoryOfAFormerMesh) {
+  Snapshots snapshots({core::CollisionMesh(test::blob(6)), 1, Action::kLoad, "loaded", 0.0});
+  publishNext(snapshots);
+  for (int i = 0; i < 3; ++i) {
+    snapshots.publish(std::make_unique<OrganSnapshot>(
+        OrganSnapshot{core::CollisionMesh(test::cube()), 3, Action::kLoad, "", 0.0, 2}));
+    const auto next = snapshots.writable();
+    EXPECT_LE(next->organ.memory(), 2 * core::CollisionMesh(test::cube()).memory());
+  }
+}
+
 TEST(Snapshots, OutliveTheirOwnerWithTheirReaders) {
   std::shared_ptr<const OrganSnapshot> taken;
   {

@@ -129,6 +129,26 @@ TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
   EXPECT_TRUE(knows("tip"));
 }
 
+/// tf2 would keep calling the first one static, and so never old.
+TEST_F(TransformIntakeTest, AFrameIsStaticOrMovesButNotBoth) {
+  hear("fixed", 1.0, ros::Time(0), ros::Time(100.0), true);
+  EXPECT_THAT(hear("fixed", 2.0, ros::Time(100.0), ros::Time(100.0)),
+              HasSubstr("it was on /tf_static before"));
+  EXPECT_THAT(hear("/fixed", 2.0, ros::Time(100.0), ros::Time(100.0)), HasSubstr("/tf_static"));
+  EXPECT_EQ(latest("fixed"), 1.0);
+  EXPECT_EQ(hear("fixed", 3.0, ros::Time(0), ros::Time(100.0), true), "");
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  EXPECT_THAT(hear("tip", 2.0, ros::Time(0), ros::Time(100.1), true),
+              HasSubstr("it was on /tf before"));
+  EXPECT_EQ(hear("tip", 3.0, ros::Time(100.1), ros::Time(100.1)), "");
+  EXPECT_EQ(latest("tip"), 3.0);
+}
+
+TEST_F(TransformIntakeTest, TimesThatAreTooFarApartForTfAreNoPose) {
+  hear("tip", 1.0, ros::Time(1.0), ros::Time(1.0));
+  EXPECT_NE(lookUpFrame(buffer_, "liver", "tip", ros::TIME_MAX).reason, "");
+}
+
 TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {
   for (const ros::Time& stamp : {ros::Time(1.0), ros::Time(1e6), ros::TIME_MAX}) {
     EXPECT_EQ(hear("fixed", stamp.toSec(), stamp, ros::Time(100.0), true), "");
