@@ -55,7 +55,7 @@ class Organ {
 
   /// Moves vertices, all or the few, by a partial or full refit, whichever is cheaper; none: only
   /// the hierarchy is updated, if `mode` says so. kRebuild returns when the splits have been made
-  /// anew after the moves; nobody else waits for that. Every snapshot taken after it returns has
+  /// anew after the moves; no query waits for that. Every snapshot taken after it returns has
   /// what it did, and whatever was enqueued before it was called. `expected_version` 0 means any,
   /// else it must be the current one.
   Applied update(VertexMoves moves, UpdateMode mode, std::uint32_t expected_version);

@@ -60,7 +60,10 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   reason_ = first.reason;
   bool moved = false;
   if (first.pose) {
-    moved = !second_from_first_ || second_from_first_->stamp != first.pose->stamp;
+    // What is static has no stamp to tell by.
+    moved =
+        !second_from_first_ || second_from_first_->stamp != first.pose->stamp ||
+        second_from_first_->target_from_source.matrix() != first.pose->target_from_source.matrix();
     second_from_first_ = first.pose;
   }
   FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second,

@@ -118,6 +118,14 @@ TEST_F(ContactCycleTest, ComplainsOfTheFrameThatTfTellsNoMoreOf) {
             "the last pose is 2.000000 s old: since then tf has not told where 'left_tip' is");
 }
 
+TEST_F(ContactCycleTest, AStaticTipThatIsTakenElsewhereIsNews) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(0), true);
+  EXPECT_TRUE(cycle_.lookUpTips());
+  EXPECT_FALSE(cycle_.lookUpTips());
+  place("liver", "left_tip", {0.5, 0.5, 4.0}, ros::Time(0), true);
+  EXPECT_TRUE(cycle_.lookUpTips());
+}
+
 TEST_F(ContactCycleTest, IsStaleAtOnceWhenTfForgetsTheTip) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
   contacts(ros::Time(100.01));
