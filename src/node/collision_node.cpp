@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
 constexpr double kCatchUp = 0.1;            // [s] of poses that came together are answered at once
+constexpr double kFarthestBehind = 0.2;     // [s] then poses are left out
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
@@ -149,7 +150,7 @@ void CollisionNode::run() {
     for (; ros::ok() && now < due; now = ros::SteadyTime::now())
       tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
     // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (now - caught_up > ros::WallDuration(kCatchUp)) tf_queue_.callAvailable();
+    if (now - caught_up > ros::WallDuration(kFarthestBehind)) tf_queue_.callAvailable();
     if (tf_queue_.isEmpty()) caught_up = ros::SteadyTime::now();
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
@@ -212,8 +213,8 @@ void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& ev
     for (std::uint32_t i = 0; i < missed; ++i) organ.countLostUpdate();
     enqueue(organ, update);
   } catch (const std::exception& error) {
-    std::string refusal = event.getPublisherName() + "'s update of the mesh of '" + update.organ +
-                          "': " + error.what();
+    std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
+                          event.getPublisherName() + ": " + error.what();
     if (update_log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
     const std::lock_guard<std::mutex> lock(mutex_);
     ++refusals_.count;

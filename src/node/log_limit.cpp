@@ -1,17 +1,23 @@
 #include "node/log_limit.h"
 
-#include <algorithm>
 #include <cctype>
+#include <iterator>
 
 namespace organ_collision::node {
 namespace {
 
 constexpr std::size_t kMost = 64;  // texts at a time: who sends ever new names fills no memory
 
-std::string withoutDigits(std::string text) {
-  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
-  text.erase(std::remove_if(text.begin(), text.end(), is_digit), text.end());
-  return text;
+std::string withoutNumbers(const std::string& text) {
+  bool in_name = false;
+  const auto is_of_number = [&in_name](unsigned char c) {
+    in_name = in_name != (c == '\'');
+    return !in_name && std::isdigit(c) != 0;
+  };
+  std::string kept;
+  for (const char c : text)
+    if (!is_of_number(static_cast<unsigned char>(c))) kept += c;
+  return kept;
 }
 
 }  // namespace
@@ -20,7 +26,7 @@ bool LogLimit::allows(const std::string& text, const ros::SteadyTime& now) {
   for (auto known = silent_until_.begin(); known != silent_until_.end();)
     known = known->second <= now ? silent_until_.erase(known) : std::next(known);
   if (silent_until_.size() == kMost) return false;
-  return silent_until_.emplace(withoutDigits(text), now + ros::WallDuration(kPeriod)).second;
+  return silent_until_.emplace(withoutNumbers(text), now + ros::WallDuration(kPeriod)).second;
 }
 
 }  // namespace organ_collision::node

@@ -13,12 +13,12 @@ class LogLimit {
  public:
   static constexpr double kPeriod = 5.0;  ///< [s]
 
-  /// Whether to log `text`: nothing like it was in the last kPeriod. What differs in its digits
-  /// only is alike.
+  /// Whether to log `text`: nothing like it was in the last kPeriod. What differs in its numbers
+  /// only is alike, but for names 'in quotes'.
   bool allows(const std::string& text, const ros::SteadyTime& now = ros::SteadyTime::now());
 
  private:
-  std::map<std::string, ros::SteadyTime> silent_until_;  // by text, without its digits
+  std::map<std::string, ros::SteadyTime> silent_until_;  // by text, without its numbers
 };
 
 }  // namespace organ_collision::node

@@ -18,6 +18,13 @@ TEST(LogLimit, AllowsTheSameOnceInAPeriodWhateverItsNumbers) {
   EXPECT_FALSE(limit.allows("vertex 3 of 4", kStart + kPeriod));
 }
 
+TEST(LogLimit, TellsNamesApartThatDifferInTheirNumbers) {
+  LogLimit limit;
+  EXPECT_TRUE(limit.allows("'psm1' is 3 s old", kStart));
+  EXPECT_TRUE(limit.allows("'psm2' is 3 s old", kStart));
+  EXPECT_FALSE(limit.allows("'psm2' is 4 s old", kStart));
+}
+
 TEST(LogLimit, AllowsAFewOfManyThingsAtATime) {
   LogLimit limit;
   std::string name;

@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, check_nearest, contact_of,
                              run, wait_until)
 
@@ -127,6 +127,14 @@ class MeshUpdates(unittest.TestCase):
             value.key == "liver last build" and value.value == info.reason
             for status in array.status for value in status.values))
         self.assertTrue(told)
+
+    def test_diagnostics_warn_of_what_is_refused_and_of_which_organ(self):
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        for organ in ("liver", "lever"):
+            self.send(self.loaded.vertices[:-1], organ=organ)
+            diagnostics.wait_for(lambda array: any(
+                status.level == DiagnosticStatus.WARN and "refused 1 mesh updates" in status.message
+                and f"'{organ}'" in status.message for status in array.status))
 
     def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
         stop = threading.Event()
