@@ -45,6 +45,12 @@ std::string faultOf(const TransformStamped& transform, bool is_static, const ros
   return "";
 }
 
+std::string refusalOf(const TransformStamped& transform, const std::string& publisher,
+                      const std::string& fault) {
+  return "refused where " + publisher + " says that '" + transform.child_frame_id + "' is in '" +
+         transform.header.frame_id + "': " + fault;
+}
+
 }  // namespace
 
 /// Notes it if it is new.
@@ -75,9 +81,7 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     } catch (const std::exception& error) {
       fault = error.what();
     }
-    if (fault.empty()) continue;
-    refusal = "refused where " + publisher + " says that '" + transform.child_frame_id +
-              "' is in '" + transform.header.frame_id + "': " + fault;
+    if (!fault.empty()) refusal = refusalOf(transform, publisher, fault);
   }
   return refusal;
 }
