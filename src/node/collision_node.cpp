@@ -60,6 +60,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       diagnostics_(node, private_node, ros::this_node::getName()),
       services_(organs_, buffer_, [this] { publishMeshInfo(); }),
       update_spinner_(1, &update_queue_),
+      change_spinner_(kSpinnerThreads, &change_queue_),
       spinner_(kSpinnerThreads) {
   hearTf("/tf", false);
   hearTf("/tf_static", true);
@@ -84,7 +85,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       onQueue(private_node, update_queue_)
           .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
                      ros::TransportHints().tcpNoDelay());
-  services_.advertise(private_node);
+  ros::NodeHandle changes = onQueue(private_node, change_queue_);
+  services_.advertise(private_node, changes);
   const auto every = [&](double period, void (CollisionNode::*action)()) {
     timers_.push_back(private_node.createSteadyTimer(
         ros::WallDuration(period),
@@ -95,6 +97,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   every(kMasterPeriod, &CollisionNode::checkMaster);
   master_watch_.check();
   update_spinner_.start();
+  change_spinner_.start();
   spinner_.start();
   for (const std::string& sentence : report(scene_, instruments_, organs_))
     ROS_INFO("%s", sentence.c_str());
@@ -104,6 +107,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
 
 CollisionNode::~CollisionNode() {
   update_spinner_.stop();
+  change_spinner_.stop();
   spinner_.stop();
   stopping_ = true;
   organs_wait_->raise();

@@ -28,9 +28,10 @@
 
 namespace organ_collision::node {
 
-/// The ROS node. Four kinds of threads: run() hears tf and publishes contacts; the spinner's
-/// threads answer services; one takes in updates, which no service keeps waiting; one refits the
-/// organs to what was streamed and swaps in what was rebuilt in the background.
+/// The ROS node. Its threads: run() hears tf and publishes contacts; some answer questions, others
+/// ~update_mesh, so that no question waits for a build; one takes in streamed updates, which no
+/// service keeps waiting; one refits the organs to these and swaps in what was rebuilt in the
+/// background.
 /// They meet in the organs' snapshots only.
 class CollisionNode {
  public:
@@ -112,10 +113,12 @@ class CollisionNode {
   std::map<std::string, std::uint32_t> last_sequence_;  // of each publisher; update_spinner_ alone
   LogLimit update_log_;                                 // update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
+  ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;
   MasterWatch master_watch_;  // of a timer alone
   std::vector<ros::SteadyTimer> timers_;
-  ros::AsyncSpinner update_spinner_, spinner_;  // last: their threads end before what they use
+  // Last: their threads end before what they use.
+  ros::AsyncSpinner update_spinner_, change_spinner_, spinner_;
 };
 
 }  // namespace organ_collision::node

@@ -43,10 +43,10 @@ Services::Services(const Organs& organs, const tf2::BufferCore& buffer,
                    std::function<void()> publish_mesh_info)
     : organs_(organs), buffer_(buffer), publish_mesh_info_(std::move(publish_mesh_info)) {}
 
-void Services::advertise(ros::NodeHandle& node) {
+void Services::advertise(ros::NodeHandle& node, ros::NodeHandle& changes) {
   servers_ = {node.advertiseService("find_nearest_triangle", &Services::findNearestTriangle, this),
               node.advertiseService("find_triangles_within", &Services::findTrianglesWithin, this),
-              node.advertiseService("update_mesh", &Services::updateMesh, this),
+              changes.advertiseService("update_mesh", &Services::updateMesh, this),
               node.advertiseService("get_mesh", &Services::getMesh, this)};
 }
 

@@ -24,8 +24,9 @@ class Services {
   Services(const Organs& organs, const tf2::BufferCore& buffer,
            std::function<void()> publish_mesh_info);
 
-  /// Answers from now on what comes to `node`.
-  void advertise(ros::NodeHandle& node);
+  /// Answers from now on what comes to `node`, and what changes a mesh, which may take long, by the
+  /// callback queue of `changes`: the same name, other threads.
+  void advertise(ros::NodeHandle& node, ros::NodeHandle& changes);
 
  private:
   bool findNearestTriangle(FindNearestTriangle::Request& request,

@@ -7,8 +7,8 @@ import unittest
 import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, check_nearest, contact_of,
-                             run, wait_until)
+from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, Surface, check_nearest,
+                             contact_of, run, wait_until)
 
 from organ_collision.msg import MeshInfo, MeshInfoArray, MeshUpdate
 from organ_collision.srv import UpdateMesh, UpdateMeshRequest
@@ -18,6 +18,16 @@ REFITS = (MeshInfo.REFIT, MeshInfo.PARTIAL_REFIT)
 TIP = np.array([0.02, 0.01, 0.12])  # [m] in the organ's frame
 STREAM_RATE = 60  # [Hz]
 BURST_RATE = 1e6  # [Hz] as fast as Python can
+
+
+def large_grid():
+    """A flat mesh of 100,000 triangles, whose hierarchy takes long to build."""
+    side = 225
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    corner = (side * y + x)[:-1, :-1].ravel()
+    triangles = np.concatenate([np.column_stack([corner, corner + 1, corner + side]),
+                                np.column_stack([corner + 1, corner + side + 1, corner + side])])
+    return Surface(0.001 * np.column_stack([x.ravel(), y.ravel(), np.zeros(side * side)]), triangles)
 
 
 class MeshUpdates(unittest.TestCase):
@@ -107,6 +117,18 @@ class MeshUpdates(unittest.TestCase):
         info = self.latest_info(lambda info: info.mesh_version == answer.mesh_version + 1)
         self.assertEqual(info.last_action, MeshInfo.PARTIAL_REFIT)
         self.assertIn("streamed: 100 of", info.reason)
+
+    def test_questions_do_not_wait_for_rebuilds(self):
+        large = large_grid()
+        self.update(large.vertices, triangles=large.triangles)
+        rebuilds = [threading.Thread(target=lambda: Services().update(mode=REBUILD)) for _ in range(12)]
+        for rebuild in rebuilds:
+            rebuild.start()
+        answered = 0
+        while any(rebuild.is_alive() for rebuild in rebuilds):
+            self.services.find([TIP])
+            answered += 1
+        self.assertGreater(answered, len(rebuilds))
 
     def test_left_to_the_node_the_hierarchy_is_rebuilt_when_queries_have_lost_enough(self):
         crushed = self.loaded.vertices * [0.02, 1.0, 1.0]
