@@ -347,8 +347,8 @@ void CollisionNode::diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper
   status.add("mesh updates refused", refusals.count);
   if (refusals.count == refusals.told) return;
   status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                      "refused " + std::to_string(refusals.count - refusals.told) +
-                          " mesh updates, at last " + refusals.last);
+                      "mesh updates refused: " + std::to_string(refusals.count - refusals.told) +
+                          ", the last " + refusals.last);
 }
 
 }  // namespace organ_collision::node

@@ -23,8 +23,6 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-constexpr double kAnswerWarningPeriod = 60.0;  // [s]
-
 std::string nodeUri() { return ros::XMLRPCManager::instance()->getServerURI(); }
 
 std::string serviceUri() {
@@ -118,8 +116,9 @@ void MasterWatch::check() {
   try {
     registerMissing();
   } catch (const XmlRpc::XmlRpcException& error) {  // no std::exception, and no reason to end
-    ROS_WARN_THROTTLE(kAnswerWarningPeriod, "whether the master knows this node is not known: %s",
-                      error.getMessage().c_str());
+    const std::string sentence =
+        "whether the master knows this node is not known: " + error.getMessage();
+    if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
   }
 }
 

@@ -3,6 +3,8 @@
 #include <set>
 #include <string>
 
+#include "node/log_limit.h"
+
 namespace organ_collision::node {
 
 /// Keeps this node known to the master. roscpp registers topics and services once: a master that
@@ -19,6 +21,7 @@ class MasterWatch {
 
   std::set<std::string> services_;  // that some master knew of; roscpp does not tell
   bool is_away_ = false;
+  LogLimit log_;
 };
 
 }  // namespace organ_collision::node

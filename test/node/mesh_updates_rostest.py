@@ -155,7 +155,7 @@ class MeshUpdates(unittest.TestCase):
         for organ in ("liver", "lever"):
             self.send(self.loaded.vertices[:-1], organ=organ)
             diagnostics.wait_for(lambda array: any(
-                status.level == DiagnosticStatus.WARN and "refused 1 mesh updates" in status.message
+                status.level == DiagnosticStatus.WARN and "mesh updates refused: 1, the last" in status.message
                 and f"'{organ}'" in status.message for status in array.status))
 
     def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
