@@ -110,6 +110,7 @@ class Organ {
   VertexMoves takePendingWith(VertexMoves moves);
   bool applyPending();
   void applyMoves(VertexMoves moves, const std::string& origin);
+  void refitAsBuilt();
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
   void rebuildIfDue();
@@ -135,7 +136,8 @@ class Organ {
   tbb::task_arena alone_{1};  // full refits: the other processors are there for queries
   RefitPolicy refit_policy_;
   RebuildPolicy rebuild_policy_;
-  std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits
+  std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits, or,
+                                                   // once vertices have moved, that one refitted
   std::shared_ptr<Rebuild> rebuild_;               // under way, or ready
   std::uint64_t rebuilds_asked_ = 0;
   std::uint64_t rebuilds_served_ = 0;  // of those asked for, in order

@@ -13,7 +13,7 @@ using core::CollisionMesh;
 using core::NearestTriangle;
 using core::Triangle;
 
-// To measure the wear, four queries are made for each of the sample: some percent of those counted.
+// To measure the wear, five queries are made for each of the sample: some percent of those counted.
 constexpr std::uint64_t kEnough = 1024;
 constexpr std::uint64_t kSampleEvery = 61;  // prime: of pairs that take turns, none is left out
 

@@ -135,6 +135,30 @@ TEST(Organ, IsNotRebuiltForQueriesWhereNothingHasMoved) {
   EXPECT_THAT(organ.builds().figures, HasSubstr("lost 0.0 ms"));
 }
 
+TEST(Organ, IsSearchedWithAsLittleWorkAsAMeshThatIsOnlyBuilt) {
+  const core::CollisionMesh built(test::blob(4));
+  const Organ organ("liver", "liver_frame", test::blob(4));
+  std::mt19937 generator(62);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d tip = test::randomPoint(generator, 2.0);
+    ASSERT_EQ(core::nearestTriangle(organ.snapshot()->organ, tip).work.bounds,
+              core::nearestTriangle(built, tip).work.bounds);
+  }
+}
+
+TEST(Organ, IsNotWornByMovingAsAWhole) {
+  for (const bool is_rebuilt : {false, true}) {
+    Organ organ("liver", "liver_frame", test::blob(4));
+    if (is_rebuilt) organ.update({}, UpdateMode::kRebuild, 0);
+    Points moved = test::blob(4).positions();
+    for (Eigen::Vector3d& point : moved) point.z() += 0.001;
+    organ.update({{}, moved}, UpdateMode::kAuto, 0);
+    ask(organ, Accuracy::exact());
+    organ.work();
+    EXPECT_NEAR(organ.costRatio(), 1.0, 0.05);
+  }
+}
+
 TEST(Organ, NeitherStreamsNorUpdatesWaitForARebuildThatSomebodyWaitsFor) {
   BusyBackground busy;
   Organ organ = cube();
