@@ -50,8 +50,6 @@ inline TriangleMesh cube(double size = 1.0) {
            corners(1, 3, 5), corners(3, 7, 5)}};
 }
 
-/// The paper's test mesh: an open, flat grid of columns x rows cells in z = 0, two triangles each.
-/// Cells of side 3 have centroids without rounding: ties are exact.
 /// Of `scale` times the size, then moved.
 inline TriangleMesh placed(const TriangleMesh& mesh, double scale, const Eigen::Vector3d& offset) {
   Points points = mesh.positions();
@@ -77,6 +75,8 @@ inline TriangleMesh joined(const TriangleMesh& one, const TriangleMesh& other) {
   return {points, triangles};
 }
 
+/// The paper's test mesh: an open, flat grid of columns x rows cells in z = 0, two triangles each.
+/// Cells of side 3 have centroids without rounding: ties are exact.
 inline TriangleMesh grid(std::size_t columns, std::size_t rows) {
   Points points;
   for (std::size_t y = 0; y <= rows; ++y) {

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "organ_collision/core/unit_frame.h"
+
 namespace organ_collision::convex {
 namespace {
 
@@ -63,26 +65,16 @@ void support(const void* hull, const ccd_vec3_t* direction, ccd_vec3_t* corner) 
 }
 
 /// Where the corners of both are of about the size 1: FCL's tolerances are absolute.
-struct UnitFrame {
-  Vector3d centre;
-  double size;  // a power of two, so that scaling does not round
-
-  Vector3d from(const Vector3d& point) const { return (point - centre) / size; }
-  Vector3d back(const Vector3d& point) const { return size * point + centre; }
-};
-
-UnitFrame unitFrameOf(const Hull& first, const Hull& second) {
+core::UnitFrame unitFrameOf(const Hull& first, const Hull& second) {
   core::Box box;
   for (const Hull* hull : {&first, &second}) {
     for (const Vector3d& corner : hull->corners) box.add(corner);
   }
-  const double longest = (box.high - box.low).maxCoeff();
-  const double size = longest > 0.0 ? std::ldexp(1.0, std::ilogb(longest)) : 1.0;
-  return {0.5 * (box.low + box.high), size};
+  return core::unitFrame(box);
 }
 
-Hull scaled(Hull hull, const UnitFrame& frame) {
-  for (Vector3d& corner : hull.corners) corner = frame.from(corner);
+Hull scaled(Hull hull, const core::UnitFrame& frame) {
+  for (Vector3d& corner : hull.corners) corner = frame(corner);
   return hull;
 }
 
@@ -200,22 +192,25 @@ std::optional<Found> ask(const Hull& first, const Hull& second) {
 std::optional<Proximity> hullProximity(const core::Shape& first, const core::Shape& second) {
   const Hull first_hull = hullOf(first);
   const Hull second_hull = hullOf(second);
-  const UnitFrame unit = unitFrameOf(first_hull, second_hull);
+  const core::UnitFrame unit = unitFrameOf(first_hull, second_hull);
   const std::optional<Found> found = ask(scaled(first_hull, unit), scaled(second_hull, unit));
   if (!found) return std::nullopt;
   const Vector3d apart =
       (found->distance > 0.0 ? 1.0 : -1.0) * (found->on_second - found->on_first);
   if (!apart.allFinite() || apart.isZero(0.0)) return std::nullopt;
 
+  const auto back = [&unit](const Vector3d& point) -> Vector3d {
+    return point / unit.scale + unit.centre;
+  };
   const Vector3d normal = apart.stableNormalized();
   const double radii = first_hull.radius + second_hull.radius;
   const double upper_bound =
-      unit.size * (found->distance > 0.0 ? apart.norm() : found->distance) - radii;
+      (found->distance > 0.0 ? apart.norm() : found->distance) / unit.scale - radii;
   const double lower_bound =
       std::min(gapAlong(normal, first_hull, second_hull) - radii, upper_bound);
   const bool colliding = upper_bound <= 0.0;
-  return Proximity{unit.back(found->on_first) + first_hull.radius * normal,
-                   unit.back(found->on_second) - second_hull.radius * normal,
+  return Proximity{back(found->on_first) + first_hull.radius * normal,
+                   back(found->on_second) - second_hull.radius * normal,
                    normal,
                    upper_bound,
                    lower_bound,

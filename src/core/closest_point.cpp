@@ -8,9 +8,9 @@
 #include <optional>
 #include <tuple>
 
+#include "core/plane_coordinates.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
-#include "plane_coordinates.h"
 
 namespace organ_collision::core {
 namespace {

@@ -87,8 +87,7 @@ bool CollisionMesh::isPerhapsFlat() const {
 void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
   if (isPerhapsFlat()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
-  tally.parted_corners = parted_corners_;
-  health_ = healthOf(*topology_, box, tally);
+  health_ = healthOf(*topology_, box, tally, parted_corners_);
 }
 
 void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& positions) {

@@ -15,8 +15,6 @@ namespace {
 constexpr float kBoxRounding = 0x1p-18F;
 /// Of the reach of boxes that are not widened yet.
 constexpr float kRadiusRounding = 1.0F + 0x1p-16F;
-/// Axes are so much shorter than 1, or rounding them could make turning a vector lengthen it.
-constexpr float kShorter = 1.0F - 0x1p-20F;
 
 struct LaneBox {
   LaneVector<float> low, high;

@@ -10,12 +10,12 @@ namespace {
 
 inline void place(const double* positions, std::size_t count, const PlainUnitFrame& frame,
                   VertexPlace* places) {
-  const std::array<double, 3>& center = frame.center;
+  const std::array<double, 3>& centre = frame.centre;
 #if defined(__AVX__)
   using Four __attribute__((vector_size(32))) = double;
   using Mask __attribute__((vector_size(32))) = long long;
   using Rounded __attribute__((vector_size(16))) = float;
-  const Four middle = {center[0], center[1], center[2], 0.0};
+  const Four middle = {centre[0], centre[1], centre[2], 0.0};
   for (std::size_t i = 0; i < count; ++i) {
     const Four position = __builtin_ia32_maskloadpd256(  // of the fourth, memory may have none
         reinterpret_cast<const Four*>(positions + 3 * i), Mask{-1, -1, -1, 0});
@@ -24,7 +24,7 @@ inline void place(const double* positions, std::size_t count, const PlainUnitFra
   }
 #else
   const auto coordinate = [&](std::size_t i, std::size_t axis) {
-    return static_cast<float>(frame.scale * (positions[3 * i + axis] - center[axis]));
+    return static_cast<float>(frame.scale * (positions[3 * i + axis] - centre[axis]));
   };
   for (std::size_t i = 0; i < count; ++i)
     places[i] = {coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)};

@@ -85,7 +85,7 @@ Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
   const GreedyGuide& guide = organ.wideTree().guide();
   const Eigen::Vector3d unit_tip = frame(tip);
   const double reach = 1.0 + largestCoordinate(unit_tip);
-  const double offset_of_mesh = largestCoordinate(frame.center) * frame.scale;
+  const double offset_of_mesh = largestCoordinate(frame.centre) * frame.scale;
   const Eigen::Vector3f place = unit_tip.cast<float>();
   return {guide.nodes.data(),
           guide.packets.data(),

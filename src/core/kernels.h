@@ -20,7 +20,7 @@ enum class Fit : std::uint8_t { kBoxes, kCorners };
 
 /// UnitFrame as plain data.
 struct PlainUnitFrame {
-  std::array<double, 3> center;
+  std::array<double, 3> centre;
   double scale;
 };
 
@@ -72,8 +72,8 @@ struct Kernels {
   /// Rounds `count` vertices, x, y, z [m], to their places.
   void (*place)(const double* positions, std::size_t count, const PlainUnitFrame& frame,
                 VertexPlace* places);
-  /// Takes over where the triangles of `count` packets are, and their centroids. Who may be flat,
-  /// as far as rounding can tell, is said to be.
+  /// Takes over where the triangles of `count` packets are, and their centroids. Triangles that may
+  /// be flat within rounding are marked in the tallies.
   /// REQUIRES: first_leaf and lane_count of the packets.
   void (*fill)(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
                PacketSplits* splits, PacketTally* tallies);

@@ -13,18 +13,24 @@ namespace {
 constexpr double kSmallestOrgan = 0.01;
 constexpr double kLargestOrgan = 1.0;
 
+std::size_t partedCorners(TriangleId triangle, const TriangleMesh& mesh,
+                          const MeshTopology& topology) {
+  std::size_t count = 0;
+  for (const VertexId corner : mesh.corners(triangle))
+    if (!topology.isAtWeld(corner, mesh)) ++count;
+  return count;
+}
+
 }  // namespace
 
 void HealthTally::add(const HealthTally& other) {
   degenerate_triangles += other.degenerate_triangles;
-  parted_corners += other.parted_corners;
   volume += other.volume;
   rounding += other.rounding;
 }
 
 void HealthTally::subtract(const HealthTally& other) {
   degenerate_triangles -= other.degenerate_triangles;
-  parted_corners -= other.parted_corners;
   volume -= other.volume;
   rounding -= other.rounding;
 }
@@ -36,14 +42,6 @@ double volumeOf(const TriangleMesh& mesh, const UnitFrame& frame) {
     volume += frame(triangle.a).dot(frame(triangle.b).cross(frame(triangle.c)));
   }
   return volume;
-}
-
-std::size_t partedCorners(TriangleId triangle, const TriangleMesh& mesh,
-                          const MeshTopology& topology) {
-  std::size_t count = 0;
-  for (const VertexId corner : mesh.corners(triangle))
-    if (!topology.isAtWeld(corner, mesh)) ++count;
-  return count;
 }
 
 std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology) {
@@ -73,8 +71,9 @@ Box boxOf(const TriangleMesh& mesh) {
   return box;
 }
 
-MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally) {
-  MeshHealth health = {topology.closed() && tally.parted_corners == 0,
+MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally,
+                    std::size_t parted_corners) {
+  MeshHealth health = {topology.closed() && parted_corners == 0,
                        topology.consistentlyWound(),
                        false,
                        tally.degenerate_triangles,
@@ -91,9 +90,8 @@ MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology) {
     const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
     if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
   }
-  tally.parted_corners = partedCorners(mesh, topology);
   tally.volume = volumeOf(mesh, unitFrame(box));
-  return healthOf(topology, box, tally);
+  return healthOf(topology, box, tally, partedCorners(mesh, topology));
 }
 
 std::vector<std::string> warnings(const MeshHealth& health) {

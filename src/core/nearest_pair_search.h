@@ -96,14 +96,14 @@ class NearestPairSearch : protected PairSearch {
     const double ratio = to.scale / from.scale;
     const Eigen::Matrix3d linear = pose_.linear();
     const Eigen::Matrix3d inverse = linear.inverse();
-    const Eigen::Vector3d between = to.center - pose_.translation();
-    second_from_first = affineMap(ratio * linear, to.scale * (linear * from.center - between));
-    first_from_second = affineMap(inverse / ratio, from.scale * (inverse * between - from.center));
+    const Eigen::Vector3d between = to.centre - pose_.translation();
+    second_from_first = affineMap(ratio * linear, to.scale * (linear * from.centre - between));
+    first_from_second = affineMap(inverse / ratio, from.scale * (inverse * between - from.centre));
     const double stretch = stretchOf(linear);
     least_scale = ratio * std::sqrt(1.0 - stretch) * (1.0 - 0x1p-20);
     largest_scale = ratio * std::sqrt(1.0 + stretch);
     constexpr double kRounding = 0x1p-47;  // of coordinates: 3 products and sums, there and back
-    const double coordinates = from.center.lpNorm<1>() + to.center.lpNorm<1>() +
+    const double coordinates = from.centre.lpNorm<1>() + to.centre.lpNorm<1>() +
                                pose_.translation().lpNorm<1>() + 8.0 / from.scale + 8.0 / to.scale;
     rounding = kRounding * to.scale * coordinates;
   }

@@ -50,7 +50,7 @@ struct PairSearch {
   double best;                ///< the nearest two are not farther apart
   std::array<double, 3> way;  ///< between the nearest two measured: other pairs lie so, too
 
-  double slack;             ///< followed is what is farther than the best by this, too
+  double slack;             ///< pairs up to this much farther than the best are followed, too
   FollowedPairs* followed;  ///< where to put the packets looked at, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest

@@ -71,12 +71,6 @@ class TrackedPairSearch : private NearestPairSearch {
            memory_.scale == second_.wideTree().frame().scale;
   }
 
-  static double travelSince(const MeshMotion& before, const MeshMotion& now) {
-    constexpr double kRoundoff = 0x1p-53;
-    return now.travel == before.travel ? 0.0
-                                       : now.travel - before.travel + 4 * kRoundoff * now.travel;
-  }
-
   /// How far the surfaces have moved towards each other at most, in the second's unit frame: no
   /// point of a box moves farther than all its corners.
   double step() const {
@@ -90,8 +84,8 @@ class TrackedPairSearch : private NearestPairSearch {
       farthest = std::max(farthest, (pose_ * at - memory_.pose * at).norm());
     }
     constexpr double kStretch = 1.0 + 0x1p-4;  // see requireRigid()
-    const double travel = kStretch * travelSince(memory_.motion_of_first, motion_of_first_) +
-                          travelSince(memory_.motion_of_second, motion_of_second_);
+    const double travel = kStretch * motion_of_first_.since(memory_.motion_of_first) +
+                          motion_of_second_.since(memory_.motion_of_second);
     // Where the corners are is off by as much as where triangles are, before and after.
     return (farthest + travel) * kRounding * memory_.scale + 4 * rounding;
   }

@@ -1,4 +1,4 @@
-#include "plane_coordinates.h"
+#include "core/plane_coordinates.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/plane_coordinates.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/nearest_pair.h"
 #include "organ_collision/core/triangle_distance.h"
-#include "plane_coordinates.h"
 
 namespace organ_collision::core {
 namespace {

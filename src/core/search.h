@@ -62,7 +62,7 @@ struct Search {
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
   VertexId best_vertex;     ///< the nearest point of that, if it is one
 
-  double slack = 0.0;            ///< followed is what is farther than the best by this, too
+  double slack = 0.0;            ///< sets up to this much farther than the best are followed, too
   Followed* followed = nullptr;  ///< where to put the packets looked at, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest

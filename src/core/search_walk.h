@@ -230,7 +230,7 @@ class Walk {
     const Keys none = -1 - Keys{};
     const Keys used = kLaneNumbers < static_cast<std::int32_t>(node.lane_count);
     const Keys keys = used != 0 ? keysOf(squares) : none;
-    // One that matters, but for what its key rounds, as some do.
+    // Keys are rounded: the nearest is of a box that matters, or of one that ties with it.
     const std::uint32_t nearest = leastOf(keys);
     stack.push(node, without(nearest, chosenBy(matter) != 0 ? keys : none));
     return setIn(node, nearest & kLaneBits);

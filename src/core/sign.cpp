@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
+#include "core/for_each_leaf.h"
 #include "core/plane_coordinates.h"
 #include "organ_collision/core/predicates.h"
 
@@ -176,8 +176,8 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
            box.low.z() <= start.z() && start.z() <= box.high.z();
   };
   int winding = 0;
-  const auto count = [&](TriangleId id) {
-    const Triangle triangle = organ.mesh().triangle(id);
+  const auto count = [&](FarthestPairTree::Leaf leaf) {
+    const Triangle triangle = organ.mesh().triangle(organ.tree().triangle(leaf));
     if (!meets_ray(boxOf(triangle), point)) return;
     const int turns = crossing(triangle, point);
     // Seen from the normal's side the triangle is ahead of the point only if the point is behind
@@ -186,22 +186,8 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {
       winding += turns;
   };
   const Eigen::Vector3d unit_point = tree.frame()(point);
-  thread_local std::vector<std::uint32_t> stack;  // nodes
-  stack.assign(1, 0);
-  while (!stack.empty()) {
-    const WideTree::Node& node = tree.nodes()[stack.back()];
-    stack.pop_back();
-    for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
-      if (!meets_ray(tree.boxOf(node, lane), unit_point)) continue;
-      if (lane < node.node_count) {
-        stack.push_back(node.first_node + lane);
-        continue;
-      }
-      const WideTree::Packet& packet = tree.packets()[node.first_packet + lane - node.node_count];
-      for (std::uint32_t i = 0; i < packet.lane_count; ++i)
-        count(organ.tree().triangle(packet.first_leaf + i));
-    }
-  }
+  forEachLeaf(
+      tree, [&](const Box& box) { return meets_ray(box, unit_point); }, count);
   return winding;
 }
 

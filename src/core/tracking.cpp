@@ -101,11 +101,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     const auto now = this->tip_.corners();
     for (std::size_t i = 0; i < now.size(); ++i)
       tip_step = std::max(tip_step, (now[i] - memory_.corners[i]).norm());
-    const double travel =
-        motion_.travel == memory_.motion.travel
-            ? 0.0
-            : motion_.travel - memory_.motion.travel + 4 * kRoundoff * motion_.travel;
-    return (tip_step + travel) * (1 + 8 * kRoundoff) * this->scale_;
+    return (tip_step + motion_.since(memory_.motion)) * (1 + 8 * kRoundoff) * this->scale_;
   }
 
   bool follows() const {

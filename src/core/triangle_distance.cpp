@@ -3,9 +3,9 @@
 #include <array>
 #include <optional>
 
+#include "core/plane_coordinates.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/triangle_intersection.h"
-#include "plane_coordinates.h"
 
 namespace organ_collision::core {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 
+#include "core/for_each_leaf.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/closest_point.h"
 
@@ -28,20 +28,10 @@ void forEachNear(const WideTree& tree, const Eigen::Vector3d& point, double radi
   constexpr double kLargestOfTree = 8.0;  // the sum of three, each below 2
   const double coordinates = unit_point.lpNorm<1>() + kLargestOfTree;
   const double reach = radius * tree.frame().scale + kRounding * coordinates;
-  std::vector<std::uint32_t> waiting = {0};
-  while (!waiting.empty()) {
-    const WideNode& node = tree.nodes()[waiting.back()];
-    waiting.pop_back();
-    for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) {
-      if (std::sqrt(squaredDistance(tree.boxOf(node, lane), unit_point)) > reach) continue;
-      if (lane < node.node_count) {
-        waiting.push_back(node.first_node + lane);
-        continue;
-      }
-      const TrianglePacket& packet = tree.packets()[node.first_packet + lane - node.node_count];
-      for (std::uint32_t i = 0; i < packet.lane_count; ++i) look_at(packet.first_leaf + i);
-    }
-  }
+  const auto is_near = [&](const Box& box) {
+    return std::sqrt(squaredDistance(box, unit_point)) <= reach;
+  };
+  forEachLeaf(tree, is_near, look_at);
 }
 
 }  // namespace

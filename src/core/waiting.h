@@ -41,23 +41,14 @@ inline Keys chosenBy(const Truth<double>& truth) {
   return (bits & static_cast<std::int32_t>(truth.bits())) != 0;
 }
 
-#if defined(__clang__)
-#define ORGAN_COLLISION_SHUFFLE(keys, ...) __builtin_shufflevector(keys, keys, __VA_ARGS__)
-#else
-#define ORGAN_COLLISION_SHUFFLE(keys, ...) __builtin_shuffle(keys, Keys{__VA_ARGS__})
-#endif
-
 /// The least, taken for a number without sign.
 inline std::uint32_t leastOf(const Keys& keys) {
   using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
   auto least = reinterpret_cast<Unsigned>(keys);
-  const auto fold = [&least](const Keys& others) {
-    const auto other = reinterpret_cast<Unsigned>(others);
-    least = least < other ? least : other;
-  };
-  fold(ORGAN_COLLISION_SHUFFLE(keys, 4, 5, 6, 7, 0, 1, 2, 3));
-  fold(ORGAN_COLLISION_SHUFFLE(reinterpret_cast<Keys>(least), 2, 3, 0, 1, 6, 7, 4, 5));
-  fold(ORGAN_COLLISION_SHUFFLE(reinterpret_cast<Keys>(least), 1, 0, 3, 2, 5, 4, 7, 6));
+  const auto fold = [&least](const Unsigned& others) { least = least < others ? least : others; };
+  fold(__builtin_shufflevector(least, least, 4, 5, 6, 7, 0, 1, 2, 3));
+  fold(__builtin_shufflevector(least, least, 2, 3, 0, 1, 6, 7, 4, 5));
+  fold(__builtin_shufflevector(least, least, 1, 0, 3, 2, 5, 4, 7, 6));
   return least[0];
 }
 

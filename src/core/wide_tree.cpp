@@ -30,8 +30,8 @@ using Set = WideTree::Set;
 /// Axes are so much shorter than 1, or rounding them to single precision could make turning a
 /// vector lengthen it.
 constexpr double kShorter = 1.0 - 0x1p-20;
-/// What rounding makes of a box's corner, for a reach of 1.
-constexpr float kBoxRounding = 0x1p-18F;
+/// What rounding makes of a box's corner when it is turned back, for a reach of 1.
+constexpr float kTurnBackRounding = 0x1p-18F;
 /// What rounding makes of the volume of a closed mesh: this part of the squares of two edges of
 /// each triangle. Products of a place, below 4, and two edges are off by 2^-20 of those squares;
 /// to move each vertex by kPlaceRounding moves the surface by as much, which is less.
@@ -270,9 +270,9 @@ void WideTree::placeAll(const TriangleMesh& mesh) {
 
 /// Takes over where some vertices are.
 void WideTree::place(const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
-  const auto& [center, scale] = frame();
+  const auto& [centre, scale] = frame();
   kernels().place(mesh.positions()[begin].data(), end - begin,
-                  {{center.x(), center.y(), center.z()}, scale}, &vertices_[begin]);
+                  {{centre.x(), centre.y(), centre.z()}, scale}, &vertices_[begin]);
 }
 
 /// Returns what their triangles add to the health.
@@ -305,7 +305,7 @@ std::size_t WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
 
 HealthTally WideTree::tallyOf(std::uint32_t packet) const {
   const PacketTally& tally = tallies_[packet];
-  return {std::bitset<kLaneCount>(tally.flat).count(), 0, double{tally.volume},
+  return {std::bitset<kLaneCount>(tally.flat).count(), double{tally.volume},
           kVolumeRounding * double{tally.squared_edges}};
 }
 
@@ -324,7 +324,7 @@ Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
   const Vector3d middle =
       vector(node.origin).cast<double>() + back * (0.5 * (corner(node.low) + corner(node.high)));
   const Vector3d half = back.cwiseAbs() * (0.5 * (corner(node.high) - corner(node.low))) +
-                        Vector3d::Constant(kBoxRounding * node.radius);
+                        Vector3d::Constant(kTurnBackRounding * node.radius);
   return {middle - half, middle + half};
 }
 

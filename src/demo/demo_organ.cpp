@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "node/frame_lookup.h"
+#include "node/stopwatch.h"
 #include "organ_collision/io/mesh_io.h"
 #include "parameters.h"
 #include "soft_organ.h"
@@ -26,15 +27,15 @@ class Pace {
   void countStep() {
     simulated_ += SoftOrgan::kStep;
     if (simulated_ < kWarningPeriod) return;
-    const double passed = (ros::WallTime::now() - since_).toSec();
+    const double passed = watch_.elapsed();
     if (passed > kSlowest * simulated_)
       ROS_WARN("slower than real time: it took %.1f s to simulate %.1f s", passed, simulated_);
     *this = Pace();
   }
 
  private:
-  ros::WallTime since_ = ros::WallTime::now();
-  double simulated_ = 0.0;  // [s] since then
+  node::Stopwatch watch_;
+  double simulated_ = 0.0;  // [s] since it runs
 };
 
 /// What tf last said of each tip.

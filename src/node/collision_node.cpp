@@ -25,7 +25,7 @@ constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
 constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
 constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether it knows this node
-constexpr unsigned kSpinnerThreads = 4;   // so that large batches do not keep small ones waiting
+constexpr unsigned kSpinnerThreads = 4;   // of each: what takes long keeps not all others waiting
 constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
@@ -80,7 +80,6 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   publishMeshInfo();
 
   for (const auto& organ : organs_) organ->setSignal(organs_wait_);
-  updater_ = std::thread(&CollisionNode::updateOrgans, this);
   mesh_update_subscriber_ =
       onQueue(private_node, update_queue_)
           .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
@@ -103,6 +102,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
     ROS_INFO("%s", sentence.c_str());
   ROS_INFO("%zu organs, %zu instruments, %zu pairs: ready", scene_.organs.size(),
            scene_.instruments.size(), scene_.pairs.size() + scene_.like_pairs.size());
+  updater_ = std::thread(&CollisionNode::updateOrgans, this);  // last: a thread cannot be left
 }
 
 CollisionNode::~CollisionNode() {

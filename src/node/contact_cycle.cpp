@@ -1,10 +1,10 @@
 #include "node/contact_cycle.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "node/conversions.h"
+#include "node/stopwatch.h"
 
 namespace organ_collision::node {
 
@@ -66,7 +66,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ro
 }
 
 ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& accuracy) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ContactArray array;
   array.header.frame_id = scene_.frame;
   array.contacts.reserve(tracked_.size());
@@ -74,8 +74,7 @@ ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& 
     array.contacts.push_back(contactOf(scene_.pairs[i], tracked_[i], now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.contacts.back().stamp);
   }
-  array.computation_time =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  array.computation_time = watch.elapsed();
   return array;
 }
 

@@ -3,11 +3,11 @@
 #include <organ_collision/Contact.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include "convex/tool_proximity.h"
 #include "node/conversions.h"
+#include "node/stopwatch.h"
 
 namespace organ_collision::node {
 namespace {
@@ -108,15 +108,14 @@ Proximity ProximityCycle::proximityOf(Tracked& tracked, const ros::Time& now,
 }
 
 ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Accuracy& accuracy) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ProximityArray array;
   array.header.frame_id = scene_.frame;
   for (Tracked& tracked : tracked_) {
     array.proximities.push_back(proximityOf(tracked, now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);
   }
-  array.computation_time =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  array.computation_time = watch.elapsed();
   return array;
 }
 

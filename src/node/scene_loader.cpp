@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "node/conversions.h"
+#include "node/stopwatch.h"
 #include "organ_collision/io/mesh_io.h"
 #include "organ_collision/io/robot_geometry.h"
 
@@ -62,10 +63,10 @@ std::unique_ptr<Organ> loadOrgan(const io::Organ& description, const io::Scene& 
 
 /// Adds the time that the hierarchy takes to `build_time` [s].
 core::Shape meshShape(core::TriangleMesh mesh, bool convex, double& build_time) {
-  const ros::WallTime start = ros::WallTime::now();
+  const Stopwatch watch;
   core::RigidMesh shape{std::make_shared<const core::CollisionMesh>(std::move(mesh)),
                         Eigen::Isometry3d::Identity(), convex};
-  build_time += (ros::WallTime::now() - start).toSec();
+  build_time += watch.elapsed();
   return shape;
 }
 

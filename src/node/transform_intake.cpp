@@ -72,7 +72,8 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
     if (fault.empty() && !isKnownAs(transform.child_frame_id, is_static))
-      fault = is_static ? "it was on /tf before" : "it was on /tf_static before";
+      fault = std::string("it was on ") + (is_static ? "/tf" : "/tf_static") +
+              " before; if that was a mistake, start this node anew";
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);

@@ -13,7 +13,7 @@ namespace organ_collision::core {
 constexpr double kUnit = 0x1p-53;  // u: half the relative distance of two doubles
 
 /// The shapes that geometric kernels fail on.
-enum class Shape {
+enum class TriangleKind {
   kRandom,
   kNeedle,         ///< two corners nearly or wholly coincide
   kCap,            ///< three corners nearly or wholly on a line
@@ -24,15 +24,16 @@ enum class Shape {
   kLattice         ///< small integers: coplanar, collinear, shared corners
 };
 
-constexpr std::array<Shape, 8> kShapes{
-    Shape::kRandom,      Shape::kNeedle,     Shape::kCap,      Shape::kFarFromOrigin,
-    Shape::kSmallAndFar, Shape::kMixedScale, Shape::kZeroArea, Shape::kLattice};
+constexpr std::array<TriangleKind, 8> kTriangleKinds{
+    TriangleKind::kRandom,        TriangleKind::kNeedle,      TriangleKind::kCap,
+    TriangleKind::kFarFromOrigin, TriangleKind::kSmallAndFar, TriangleKind::kMixedScale,
+    TriangleKind::kZeroArea,      TriangleKind::kLattice};
 
-inline const char* name(Shape shape) {
+inline const char* name(TriangleKind kind) {
   constexpr std::array<const char*, 8> kNames{
       "random",        "needle",      "cap",       "far from the origin",
       "small and far", "mixed scale", "zero area", "lattice"};
-  return kNames[static_cast<std::size_t>(shape)];
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 struct Sample {
@@ -59,40 +60,40 @@ class HardTriangles {
     return (1 - s - t) * triangle.a + s * triangle.b + t * triangle.c;
   }
 
-  Triangle triangle(Shape shape) {
+  Triangle triangle(TriangleKind kind) {
     const Eigen::Vector3d a = inCube();
     const Eigen::Vector3d b = inCube();
     const Eigen::Vector3d c = inCube();
     const double along = uniform(-0.2, 1.2);
     const double size = magnitude(-8, 0);
     const Eigen::Vector3d step = inLattice();
-    switch (shape) {
-      case Shape::kRandom:
+    switch (kind) {
+      case TriangleKind::kRandom:
         return {a, b, c};
-      case Shape::kNeedle:
+      case TriangleKind::kNeedle:
         return {a, b, b + magnitude(-17, -1) * c};
-      case Shape::kCap:
+      case TriangleKind::kCap:
         return {a, b, (1 - along) * a + along * b + magnitude(-17, -1) * c};
-      case Shape::kFarFromOrigin:
+      case TriangleKind::kFarFromOrigin:
         return {kFar + a, kFar + b, kFar + c};
-      case Shape::kSmallAndFar:
+      case TriangleKind::kSmallAndFar:
         return {kFar + size * a, kFar + size * b, kFar + size * c};
-      case Shape::kMixedScale:
+      case TriangleKind::kMixedScale:
         return {a.cwiseProduct(magnitudes()), b.cwiseProduct(magnitudes()),
                 c.cwiseProduct(magnitudes())};
-      case Shape::kZeroArea:
+      case TriangleKind::kZeroArea:
         if (oneIn(4)) return {a, a, a};
         if (oneIn(3)) return {a, b, a};
         if (oneIn(2)) return {-a, a, 0.5 * a};
         return {2 * step, std::floor(4 * along) * step, -3 * step};
-      case Shape::kLattice:
+      case TriangleKind::kLattice:
         return {inLattice(), inLattice(), inLattice()};
     }
     return {};
   }
 
-  Sample sample(Shape shape) {
-    const Triangle triangle = this->triangle(shape);
+  Sample sample(TriangleKind kind) {
+    const Triangle triangle = this->triangle(kind);
     const double size = (triangle.b - triangle.a).norm();
     switch (static_cast<int>(uniform(0, 4))) {
       case 0:
@@ -104,7 +105,7 @@ class HardTriangles {
       case 2:
         return {triangle.a + magnitude(-8, 2) * inCube(), triangle};
       default:
-        return {this->triangle(shape).a, triangle};
+        return {this->triangle(kind).a, triangle};
     }
   }
 

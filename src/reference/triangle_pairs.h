@@ -45,12 +45,12 @@ void forEachOrder(const Triangle& first, const Triangle& second, const Check& ch
   }
 }
 
-/// Two triangles of one shape that intersect, touch or nearly touch: a point of one is moved onto a
+/// Two triangles of one kind that intersect, touch or nearly touch: a point of one is moved onto a
 /// point of the other, or a corner or an edge is shared.
-inline std::pair<Triangle, Triangle> closePair(HardTriangles& triangles, Shape shape) {
-  const Triangle first = triangles.triangle(shape);
-  Triangle second = triangles.triangle(shape);
-  if (shape == Shape::kLattice) return {first, second};
+inline std::pair<Triangle, Triangle> closePair(HardTriangles& triangles, TriangleKind kind) {
+  const Triangle first = triangles.triangle(kind);
+  Triangle second = triangles.triangle(kind);
+  if (kind == TriangleKind::kLattice) return {first, second};
   if (triangles.oneIn(4)) return {first, {first.a, second.b, second.c}};
   if (triangles.oneIn(4)) return {first, {first.b, second.b, first.a}};
   if (triangles.oneIn(3)) return {first, {triangles.pointOf(first), second.b, second.c}};
@@ -59,10 +59,10 @@ inline std::pair<Triangle, Triangle> closePair(HardTriangles& triangles, Shape s
 }
 
 /// Apart, intersecting or nearly touching.
-inline std::pair<Triangle, Triangle> anyPair(HardTriangles& triangles, Shape shape) {
-  if (triangles.oneIn(2)) return closePair(triangles, shape);
-  const Triangle first = triangles.triangle(shape);
-  return {first, triangles.triangle(shape)};
+inline std::pair<Triangle, Triangle> anyPair(HardTriangles& triangles, TriangleKind kind) {
+  if (triangles.oneIn(2)) return closePair(triangles, kind);
+  const Triangle first = triangles.triangle(kind);
+  return {first, triangles.triangle(kind)};
 }
 
 }  // namespace organ_collision::core

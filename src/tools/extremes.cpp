@@ -13,9 +13,9 @@ using core::Box;
 using core::Corners;
 using core::Points;
 using core::Sample;
-using core::Shape;
 using core::Triangle;
 using core::TriangleId;
+using core::TriangleKind;
 using core::TriangleMesh;
 using core::VertexId;
 using Eigen::Vector3d;
@@ -181,17 +181,17 @@ double eighth(Random& random) { return std::floor(random.uniform(-16, 17)) / 8; 
 
 // ---- triangles
 
-Extreme ofShape(const std::string& name, Shape shape, const TriangleMesh& organ) {
-  return {name, [shape](Random& random) { return random.sample(shape); },
-          [shape](Random& random) { return core::anyPair(random, shape); }, organ, anywhere};
+Extreme ofKind(const std::string& name, TriangleKind kind, const TriangleMesh& organ) {
+  return {name, [kind](Random& random) { return random.sample(kind); },
+          [kind](Random& random) { return core::anyPair(random, kind); }, organ, anywhere};
 }
 
-Shape anyShape(Random& random) {
-  constexpr auto kCount = static_cast<double>(core::kShapes.size());
-  return core::kShapes[static_cast<std::size_t>(random.uniform(0, kCount))];
+TriangleKind anyKind(Random& random) {
+  constexpr auto kCount = static_cast<double>(core::kTriangleKinds.size());
+  return core::kTriangleKinds[static_cast<std::size_t>(random.uniform(0, kCount))];
 }
 
-Triangle ofAnyShape(Random& random) { return random.triangle(anyShape(random)); }
+Triangle ofAnyKind(Random& random) { return random.triangle(anyKind(random)); }
 
 Triangle exponential(Random& random) {
   const auto corner = [&random] {
@@ -223,9 +223,10 @@ Extreme exponentiallySpaced() {
 
 /// Triangles that are the same, share an edge, or lie one in the other's plane.
 Extreme coincident() {
-  return {"coincident, duplicated", [](Random& random) { return random.sample(Shape::kLattice); },
+  return {"coincident, duplicated",
+          [](Random& random) { return random.sample(TriangleKind::kLattice); },
           [](Random& random) {
-            const Triangle t = ofAnyShape(random);
+            const Triangle t = ofAnyKind(random);
             if (random.oneIn(3)) return Pair{t, core::reordered(t, 4)};
             if (random.oneIn(2)) return Pair{t, {t.b, t.a, random.inCube()}};
             return Pair{t, {random.pointOf(t), random.pointOf(t), t.a}};
@@ -255,10 +256,10 @@ Extreme ties() {
 Extreme touching() {
   return {"on vertices, edges, faces",
           [](Random& random) {
-            const Triangle t = ofAnyShape(random);
+            const Triangle t = ofAnyKind(random);
             return Sample{onSurface(random, t), t};
           },
-          [](Random& random) { return core::closePair(random, Shape::kRandom); }, ball(),
+          [](Random& random) { return core::closePair(random, TriangleKind::kRandom); }, ball(),
           [](Random& random, const TriangleMesh& organ) {
             return onSurface(random, organ.triangle(anyTriangle(random, organ)));
           }};
@@ -267,11 +268,11 @@ Extreme touching() {
 Extreme farTips() {
   return {"1e30 m away",
           [](Random& random) {
-            return Sample{farAway(random), ofAnyShape(random)};
+            return Sample{farAway(random), ofAnyKind(random)};
           },
           [](Random& random) {
             const Vector3d away = farAway(random);
-            return Pair{ofAnyShape(random), moved(ofAnyShape(random), [&away](const Vector3d& x) {
+            return Pair{ofAnyKind(random), moved(ofAnyKind(random), [&away](const Vector3d& x) {
                           return Vector3d(x + away);
                         })};
           },
@@ -285,7 +286,7 @@ Extreme scaledBy(double factor, const std::string& name, const Extreme& from) {
 Extreme offsetBy(int exponent) {
   const Vector3d offset = std::pow(10.0, exponent) * Vector3d(0.7, -1.0, 0.9);
   return moved("1e" + std::to_string(exponent) + " m from the origin",
-               ofShape("", Shape::kRandom, ball()),
+               ofKind("", TriangleKind::kRandom, ball()),
                [offset](const Vector3d& x) { return Vector3d(10 * x + offset); });
 }
 
@@ -297,17 +298,17 @@ std::vector<Extreme> extremes() {
                  [&factors](const Vector3d& x) { return Vector3d(x.cwiseProduct(factors)); });
   };
   std::vector<Extreme> all = {
-      ofShape("random", Shape::kRandom, ball()),
-      ofShape("needles", Shape::kNeedle, stretched({1e-7, 1e-7, 1})),
-      ofShape("caps", Shape::kCap, split(ball(), {0.3, 0.7 - kThin, kThin})),
-      ofShape("zero area", Shape::kZeroArea, split(ball(), {1, 0, 0})),
+      ofKind("random", TriangleKind::kRandom, ball()),
+      ofKind("needles", TriangleKind::kNeedle, stretched({1e-7, 1e-7, 1})),
+      ofKind("caps", TriangleKind::kCap, split(ball(), {0.3, 0.7 - kThin, kThin})),
+      ofKind("zero area", TriangleKind::kZeroArea, split(ball(), {1, 0, 0})),
       coincident(),
-      ofShape("mixed scales", Shape::kMixedScale, stretched({1e-6, 1, 1e6})),
+      ofKind("mixed scales", TriangleKind::kMixedScale, stretched({1e-6, 1, 1e6})),
   };
   for (const int exponent : {3, 6, 9, 12, 15}) all.push_back(offsetBy(exponent));
   all.push_back(scaledBy(1e-4, "0.1 mm in size", all.front()));
-  const Extreme any = {"", [](Random& random) { return random.sample(anyShape(random)); },
-                       [](Random& random) { return core::anyPair(random, anyShape(random)); },
+  const Extreme any = {"", [](Random& random) { return random.sample(anyKind(random)); },
+                       [](Random& random) { return core::anyPair(random, anyKind(random)); },
                        ball(), anywhere};
   all.push_back(scaledBy(0x1p-300, "times 2^-300", any));
   all.push_back(scaledBy(0x1p+300, "times 2^300", any));

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 // The promise of the header, in units of u * extent.
 constexpr double kPromise = 4;
-constexpr int kSamples = 10000;  // of each shape
+constexpr int kSamples = 10000;  // of each kind
 
 const Triangle kRight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
@@ -40,14 +40,14 @@ double errorOf(const Vector3d& query, const Triangle& t) {
   return static_cast<double>(abs(error) / (kUnit * extent));
 }
 
-/// Calls `check(query, triangle)` for samples of every shape.
+/// Calls `check(query, triangle)` for samples of every kind.
 template <typename Check>
 void forEachSample(unsigned seed, int count, const Check& check) {
-  for (const Shape shape : kShapes) {
-    SCOPED_TRACE(name(shape));
+  for (const TriangleKind kind : kTriangleKinds) {
+    SCOPED_TRACE(name(kind));
     HardTriangles triangles(seed);
     for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
-      const Sample sample = triangles.sample(shape);
+      const Sample sample = triangles.sample(kind);
       check(sample.query, sample.triangle);
     }
   }
@@ -189,7 +189,7 @@ TEST(ClosestPoint, IsNeverNearerThanTheBoxOfAThinTriangle) {
   HardTriangles triangles(6);
   // the face is nearer than its box by less than a rounding error
   for (int i = 0; i < kSamples; ++i) {
-    Triangle t = triangles.triangle(Shape::kRandom);
+    Triangle t = triangles.triangle(TriangleKind::kRandom);
     for (Vector3d* corner : {&t.a, &t.b, &t.c}) corner->x() *= 1e-15;
     const Vector3d query = triangles.pointOf(t) + triangles.uniform(0, 4) * Vector3d::UnitX();
     ASSERT_LE(squaredDistance(boxOf(t), query), closestPointOnTriangle(query, t).squared_distance);
@@ -321,7 +321,7 @@ TEST(ClosestPoint, KeepsThePromiseForTheLargestCoordinates) {
   HardTriangles triangles(11);
   for (int i = 0; i < kSamples / 10; ++i) {
     const double scale = 0.99 * kLargestCoordinate;
-    const Triangle t = scaled(triangles.triangle(Shape::kRandom), scale);
+    const Triangle t = scaled(triangles.triangle(TriangleKind::kRandom), scale);
     ASSERT_LE(errorOf(scale * triangles.inCube(), t), kPromise);
   }
 }

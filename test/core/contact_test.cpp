@@ -3,35 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
-#include <new>
 #include <random>
 #include <stdexcept>
-#include <vector>
 
 #include "test_meshes.h"
-
-namespace {
-thread_local std::size_t allocations = 0;
-}  // namespace
-
-// Not inlined, or gcc finds free() where it expects delete.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  void* const memory = std::malloc(size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  ++allocations;
-  return std::malloc(size);
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept {
-  std::free(memory);
-}
 
 namespace organ_collision::core {
 namespace {
@@ -81,24 +58,6 @@ TEST(Contact, IsUncertainWhereTheAccuracyDoesNotDecideIt) {
   EXPECT_FALSE(greedy.colliding_certain);
   EXPECT_TRUE(contact(organ, Eigen::Vector3d(1, 1, 1), Accuracy::greedy()).colliding_certain);
   EXPECT_TRUE(contact(organ, Eigen::Vector3d(0, 0, 0)).colliding_certain);
-}
-
-TEST(Contact, AllocatesNothingOnceTheThreadHasSeenItsWidestSearch) {
-  const CollisionMesh organ(test::blob(4));
-  std::mt19937 generator(1);
-  Points tips(500);
-  for (Eigen::Vector3d& tip : tips) tip = test::randomPoint(generator, 0.15);
-  const auto askAll = [&] {
-    const std::size_t before = allocations;
-    for (const Eigen::Vector3d& tip : tips) {
-      contact(organ, tip);
-      contact(organ, tip, Accuracy::greedy());
-      contact(organ, tipAt(tip));
-    }
-    return allocations - before;
-  };
-  askAll();
-  EXPECT_EQ(askAll(), 0);
 }
 
 // What follows is said of the cube [0, 1]^3 and can be checked by hand.

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 10000;  // of each shape
+constexpr int kSamples = 10000;  // of each kind
 constexpr std::array<double, 6> kScales{0x1p-450, 0x1p-350, 0x1p-300, 1, 0x1p+300, 0x1p+450};
 
 TEST(Orientation, IsPositiveWhereTheCornersRunAnticlockwise) {
@@ -60,11 +60,11 @@ TEST(Orientation, SeesTheLastBitOfALineInThePlane) {
 
 TEST(Orientation, IsExactForPointsNearAPlane) {
   for (const double scale : kScales) {
-    for (const Shape shape : kShapes) {
-      SCOPED_TRACE(testing::Message() << name(shape) << " times " << scale);
+    for (const TriangleKind kind : kTriangleKinds) {
+      SCOPED_TRACE(testing::Message() << name(kind) << " times " << scale);
       HardTriangles triangles(1);
       for (int i = 0; i < kSamples / 5; ++i) {
-        const Sample sample = triangles.sample(shape);
+        const Sample sample = triangles.sample(kind);
         const Triangle t = scaled(sample.triangle, scale);
         const Vector3d d = scale * (i % 2 == 0 ? sample.query : triangles.pointOf(sample.triangle));
         const int sign = exact::orientation(t.a, t.b, t.c, d);
@@ -118,11 +118,12 @@ TEST(Collinear, LooksAlongEachAxis) {
 
 TEST(Collinear, IsExactForCaps) {
   for (const double scale : kScales) {
-    for (const Shape shape : {Shape::kCap, Shape::kZeroArea, Shape::kLattice, Shape::kMixedScale}) {
-      SCOPED_TRACE(testing::Message() << name(shape) << " times " << scale);
+    for (const TriangleKind kind : {TriangleKind::kCap, TriangleKind::kZeroArea,
+                                    TriangleKind::kLattice, TriangleKind::kMixedScale}) {
+      SCOPED_TRACE(testing::Message() << name(kind) << " times " << scale);
       HardTriangles triangles(3);
       for (int i = 0; i < kSamples / 5; ++i) {
-        const Triangle t = scaled(triangles.triangle(shape), scale);
+        const Triangle t = scaled(triangles.triangle(kind), scale);
         ASSERT_EQ(collinear(t.a, t.b, t.c), exact::collinear(t.a, t.b, t.c));
       }
     }

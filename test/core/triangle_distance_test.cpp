@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 // The promise of the header, in units of u * extent.
 constexpr double kPromise = 4;
-constexpr int kSamples = 3000;  // of each shape
+constexpr int kSamples = 3000;  // of each kind
 
 const Triangle kRight{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
 
@@ -41,14 +41,14 @@ double errorOf(const Triangle& first, const Triangle& second) {
   return static_cast<double>(abs(distance - exact::distance(first, second)) / (kUnit * extent));
 }
 
-/// Calls `check(first, second)` for pairs of every shape.
+/// Calls `check(first, second)` for pairs of every kind.
 template <typename Check>
 void forEachPair(unsigned seed, int count, const Check& check) {
-  for (const Shape shape : kShapes) {
-    SCOPED_TRACE(name(shape));
+  for (const TriangleKind kind : kTriangleKinds) {
+    SCOPED_TRACE(name(kind));
     HardTriangles triangles(seed);
     for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
-      const auto [first, second] = anyPair(triangles, shape);
+      const auto [first, second] = anyPair(triangles, kind);
       check(first, second);
     }
   }
@@ -188,8 +188,8 @@ TEST(ClosestPoints, AreNeverNearerThanTheBoxesOfThinTriangles) {
   HardTriangles triangles(7);
   // they are nearer than their boxes by less than a rounding error
   for (int i = 0; i < kSamples; ++i) {
-    Triangle first = triangles.triangle(Shape::kRandom);
-    Triangle second = triangles.triangle(Shape::kRandom);
+    Triangle first = triangles.triangle(TriangleKind::kRandom);
+    Triangle second = triangles.triangle(TriangleKind::kRandom);
     for (Vector3d* corner : {&first.a, &first.b, &first.c}) corner->x() *= 1e-15;
     const double gap = triangles.uniform(0, 4);
     for (Vector3d* corner : {&second.a, &second.b, &second.c})

@@ -101,13 +101,13 @@ TEST(TrianglesIntersect, WhereTrianglesAreSegmentsOrPoints) {
 
 TEST(TrianglesIntersect, AgreesWithExactArithmetic) {
   for (const double scale : {1.0, 0x1p-300, 0x1p+300}) {
-    for (const Shape shape : kShapes) {
-      SCOPED_TRACE(testing::Message() << name(shape) << " times " << scale);
+    for (const TriangleKind kind : kTriangleKinds) {
+      SCOPED_TRACE(testing::Message() << name(kind) << " times " << scale);
       HardTriangles triangles(1);
       int intersecting = 0;
       const int count = scale == 1 ? kSamples : kSamples / 20;
       for (int i = 0; i < count; ++i) {
-        const auto [first, second] = anyPair(triangles, shape);
+        const auto [first, second] = anyPair(triangles, kind);
         const bool expected = exact::intersect(first, second);
         ASSERT_EQ(trianglesIntersect(scaled(first, scale), scaled(second, scale)), expected);
         intersecting += expected ? 1 : 0;
@@ -119,11 +119,11 @@ TEST(TrianglesIntersect, AgreesWithExactArithmetic) {
 }
 
 TEST(TrianglesIntersect, DoesNotDependOnTheOrder) {
-  for (const Shape shape : kShapes) {
-    SCOPED_TRACE(name(shape));
+  for (const TriangleKind kind : kTriangleKinds) {
+    SCOPED_TRACE(name(kind));
     HardTriangles triangles(2);
     for (int i = 0; i < kSamples / 50; ++i) {
-      const auto [first, second] = anyPair(triangles, shape);
+      const auto [first, second] = anyPair(triangles, kind);
       const bool expected = trianglesIntersect(first, second);
       forEachOrder(first, second, [expected](const Triangle& one, const Triangle& other) {
         ASSERT_EQ(trianglesIntersect(one, other), expected);

@@ -16,12 +16,15 @@ using organ_collision::io::List;
 using organ_collision::io::Map;
 using organ_collision::io::Value;
 
-constexpr std::array kWords = {
-    "organs",     "instruments", "pairs",        "name",      "frame",
-    "mesh",       "link",        "scale",        "shape",     "corners",
-    "triangle",   "point",       "max_distance", "accuracy",  "max_relative_error",
-    "max_leaves", "rate",        "stale_after",  "mesh_root", "liver",
-    "left"};
+constexpr std::array kWords = {"organs",       "instruments", "pairs",
+                               "name",         "frame",       "mesh",
+                               "link",         "scale",       "shape",
+                               "corners",      "triangle",    "point",
+                               "max_distance", "accuracy",    "max_relative_error",
+                               "max_leaves",   "rate",        "stale_after",
+                               "mesh_root",    "liver",       "left",
+                               "sphere",       "capsule",     "radius",
+                               "ends",         "convex",      "max_absolute_error"};
 
 std::string text(FuzzedDataProvider& bytes) {
   return bytes.ConsumeBool() ? bytes.PickValueInArray(kWords) : bytes.ConsumeRandomLengthString(20);
@@ -58,15 +61,19 @@ Value value(FuzzedDataProvider& bytes, int depth) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    if (size > 0 && data[0] == '<') {
-      organ_collision::io::linkMesh(std::string(reinterpret_cast<const char*>(data), size),
-                                    "liver");
-    } else {
-      FuzzedDataProvider bytes(data, size);
-      organ_collision::io::parseScene(value(bytes, 5));
+  const auto attempt = [](const auto& read) {
+    try {
+      read();
+    } catch (const std::exception&) {  // a refusal
     }
-  } catch (const std::exception&) {  // a refusal
+  };
+  if (size > 0 && data[0] == '<') {
+    const std::string description(reinterpret_cast<const char*>(data), size);
+    attempt([&] { organ_collision::io::linkMesh(description, "liver"); });
+    attempt([&] { organ_collision::io::linkPieces(description, "liver"); });
+  } else {
+    FuzzedDataProvider bytes(data, size);
+    attempt([&] { organ_collision::io::parseScene(value(bytes, 5)); });
   }
   return 0;
 }

@@ -49,8 +49,6 @@ class Example(unittest.TestCase):
                 self.check(each.status, each.distance, each.point_on_first, each.point_on_second)
 
     def test_the_instruments_move(self):
-        if not rospy.get_param("~moves", True):
-            return
         for node in rospy.get_param("~nodes", ["organ_collision"]):
             inbox = ContactsInbox(node)
 

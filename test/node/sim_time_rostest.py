@@ -27,16 +27,20 @@ class SimulatorClock:
     def __init__(self):
         self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
         self._now, self._rate = START, 1.0
+        self._lock = threading.Lock()  # of self._now
         threading.Thread(target=self._send, daemon=True).start()
 
     def _send(self):
         while not rospy.is_shutdown():
-            self._now += 0.01 * self._rate
-            self._publisher.publish(rospy.Time(self._now))
+            with self._lock:
+                self._now += 0.01 * self._rate
+                now = self._now
+            self._publisher.publish(rospy.Time(now))
             time.sleep(0.01)
 
     def set(self, now):
-        self._now = now
+        with self._lock:
+            self._now = now
         wait_until(lambda: 0.0 <= rospy.get_time() - now < 1.0, f"the clock to show {now}")
 
     def stand_still(self):

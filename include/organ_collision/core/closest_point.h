@@ -44,8 +44,8 @@ struct ClosestPoint {
 /// (1983), for the difference of products.
 ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle);
 
-/// Whether the edges of a triangle [m] that start at the corner `offset` [m] from the query show
-/// that closestPointOnTriangle() gives that corner. It may where they do not.
+/// True only if closestPointOnTriangle() gives the corner that is `offset` [m] from the query,
+/// where these edges [m] start. A quick test, which may be false though it does.
 bool isClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
                      const Eigen::Vector3d& other_edge);
 

@@ -54,8 +54,8 @@ class CollisionMesh {
   void updateHealth(const Box& box);
 
   TriangleMesh mesh_;
-  std::shared_ptr<const MeshTopology>
-      topology_;  // the same for every copy: refitting changes positions only
+  // The same for every copy: refitting changes positions only.
+  std::shared_ptr<const MeshTopology> topology_;
   FarthestPairTree tree_;
   WideTree wide_tree_;
   std::size_t parted_corners_ = 0;

@@ -27,15 +27,14 @@ struct MeshHealth {
 /// What triangles add to their mesh's health.
 struct HealthTally {
   std::size_t degenerate_triangles = 0;
-  std::size_t parted_corners = 0;  ///< that are no longer where their weld is
-  double volume = 0.0;             ///< six times, in the unit frame
-  double rounding = 0.0;           ///< what it may have made of the volume
+  double volume = 0.0;    ///< six times, in the unit frame
+  double rounding = 0.0;  ///< what it may have made of the volume
 
   void add(const HealthTally& other);
   void subtract(const HealthTally& other);
 };
 
-/// Six times, in the unit frame. O(n).
+/// Six times the signed volume that a closed mesh encloses, in the unit frame. O(n).
 double volumeOf(const TriangleMesh& mesh, const UnitFrame& frame);
 /// Corners of some triangles that are no longer where their weld is.
 std::size_t partedCorners(const std::vector<TriangleId>& triangles, const TriangleMesh& mesh,
@@ -43,13 +42,15 @@ std::size_t partedCorners(const std::vector<TriangleId>& triangles, const Triang
 /// The same of all triangles. O(n), if there are welds.
 std::size_t partedCorners(const TriangleMesh& mesh, const MeshTopology& topology);
 
-/// Of all triangles. O(n).
+/// The box of all triangles [m]. O(n).
 Box boxOf(const TriangleMesh& mesh);
 
-/// `box` and `tally` are those of all triangles.
-MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally);
+/// `box` [m], `tally` and `parted_corners`, those no longer where their weld is, are of all
+/// triangles.
+MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally,
+                    std::size_t parted_corners);
 
-/// O(n).
+/// The health of a mesh, all of it looked at anew. O(n).
 MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology);
 
 /// One sentence for each thing that is likely to be a mistake, a size that is no organ's

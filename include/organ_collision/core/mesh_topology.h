@@ -33,15 +33,14 @@ class MeshTopology {
 
   /// Some vertices were at the same position.
   bool hasWelds() const { return !welds_.empty(); }
-  bool closed() const { return closed_; }  ///< every edge has an even number of triangles
-  bool consistentlyWound() const {
-    return consistently_wound_;
-  }  ///< neighbours run along their edge in opposite senses
+  /// Every edge has an even number of triangles.
+  bool closed() const { return closed_; }
+  /// Neighbours run along their edge in opposite senses.
+  bool consistentlyWound() const { return consistently_wound_; }
   /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
   const std::vector<VertexId>& parts() const { return parts_; }
-  std::size_t duplicateTriangles() const {
-    return duplicate_triangles_;
-  }  ///< same corners as an earlier one
+  /// With the same corners as an earlier one.
+  std::size_t duplicateTriangles() const { return duplicate_triangles_; }
 
   /// Whether a vertex is where the first of its weld is.
   bool isAtWeld(VertexId vertex, const TriangleMesh& mesh) const {

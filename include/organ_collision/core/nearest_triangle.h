@@ -43,10 +43,9 @@ struct NearestTriangle {
   Eigen::Vector3d normal;     ///< unit outward pseudonormal at the closest point; zero if there is
                               ///< none, or none is asked for
   double distance;            ///< [m] negative inside, where signed
-  double lower_bound;         ///< [m] lower_bound <= true distance <= upper_bound, in the same sign
-                              ///< convention,
-  double upper_bound;    ///< [m] but for rounding of 4*u*extent; distance is one of the two; equal:
-                         ///< exact
+  /// [m] lower_bound <= true distance <= upper_bound, signed as distance is, but for rounding of
+  /// 4*u*extent. distance is one of the two; equal: exact.
+  double lower_bound, upper_bound;
   bool distance_signed;  ///< the sign is proven, if the surface does not cross itself; otherwise
                          ///< distance >= 0
   SearchWork work;

@@ -13,6 +13,12 @@ struct MeshMotion {
   /// [m] Sum, over the refits since, of the farthest that a vertex was moved; another number after
   /// each, also where rounding would take a step from it.
   double travel = 0.0;
+
+  /// [m] At least how far a vertex has moved since `before`, of the same build.
+  double since(const MeshMotion& before) const {
+    constexpr double kRoundoff = 0x1p-53;
+    return travel == before.travel ? 0.0 : travel - before.travel + 4 * kRoundoff * travel;
+  }
 };
 
 /// Follows one tip over one organ: each answer starts from what the last one learnt. The packets of

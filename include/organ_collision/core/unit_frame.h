@@ -10,12 +10,12 @@ namespace organ_collision::core {
 /// in single precision neither over- nor underflows there, and a mesh scaled by a power of two
 /// looks the same.
 struct UnitFrame {
-  Eigen::Vector3d center;  ///< [m]
+  Eigen::Vector3d centre;  ///< [m]
   double scale;            ///< [1/m] a power of two
 
   /// Every step rounds relatively to its result.
   Eigen::Vector3d operator()(const Eigen::Vector3d& point) const {
-    return (point - center) * scale;
+    return (point - centre) * scale;
   }
 };
 

@@ -35,9 +35,10 @@ struct alignas(64) TrianglePacket {
 constexpr std::uint32_t kPacketBit = 0x80000000U;
 
 /// Which of up to seven splits of the hierarchy lead to which of up to eight sets, so that all are
-/// decided at a time. A byte for each set tells the splits above it, by bits, and of these those
-/// where it goes with the first pole; impossible ones where there is no set. A split comes before
-/// those of its children, and the first child's before the other's.
+/// decided at a time. Byte i belongs to set i: its bits in `above` are the splits on the way down
+/// to it; in `firsts`, those of them at which it lies on the first pole's side. Bytes without a set
+/// hold what never matches. A split comes before those of its children, and the first child's
+/// before the other's.
 struct SplitPaths {
   std::uint64_t above, firsts;
 };

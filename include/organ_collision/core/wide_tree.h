@@ -54,7 +54,7 @@ class WideTree {
   void refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
              const std::vector<TriangleId>& touched);
 
-  /// What the triangles add to their mesh's health, but for parted corners.
+  /// What the triangles add to their mesh's health.
   const HealthTally& tally() const { return tally_; }
 
   /// A box along the axes of the unit frame around what is in a lane of a node.
