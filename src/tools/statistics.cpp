@@ -1,6 +1,7 @@
 #include "statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <cassert>
 #include <cmath>
 #include <iterator>
@@ -23,33 +24,9 @@ std::size_t rankIndex(double share, std::size_t count) {
 
 /// Probability of at most `most` successes in `trials`, each of probability `share`.
 double binomialUpTo(std::size_t most, std::size_t trials, double share) {
-  if (share <= 0.0 || most >= trials) return 1.0;
-  if (share >= 1.0) return 0.0;
-  const auto n = static_cast<double>(trials);
-  double sum = 0.0;
-  for (std::size_t i = 0; i <= most; ++i) {
-    const auto k = static_cast<double>(i);
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) +
-                    k * std::log(share) + (n - k) * std::log1p(-share));
-  }
-  return std::min(sum, 1.0);
-}
-
-/// The first index of `count` for which `is_enough`, which does not go back to false, holds; the
-/// last one if none does.
-template <class Predicate>
-std::size_t firstIndex(std::size_t count, const Predicate& is_enough) {
-  std::size_t low = 0;
-  std::size_t high = count - 1;
-  while (low < high) {
-    const std::size_t middle = low + (high - low) / 2;
-    if (is_enough(middle)) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
-  }
-  return low;
+  if (most >= trials) return 1.0;
+  return boost::math::cdf(boost::math::binomial(static_cast<double>(trials), share),
+                          static_cast<double>(most));
 }
 
 }  // namespace
@@ -104,12 +81,12 @@ Interval bootstrapPercentile(std::vector<double> samples, double share) {
   std::sort(samples.begin(), samples.end());
   const std::size_t count = samples.size();
   const std::size_t above = count - 1 - rankIndex(share, count);
-  // A resample's percentile is at most samples[i] if no more than `above` of its draws lie beyond.
+  // A resample's percentile is at most a sample if no more than `above` of its draws lie beyond.
   const auto quantile = [&](double probability) {
-    return samples[firstIndex(count, [&](std::size_t i) {
-      const double beyond = static_cast<double>(count - 1 - i) / static_cast<double>(count);
-      return binomialUpTo(above, count, beyond) >= probability;
-    })];
+    return *std::partition_point(samples.begin(), samples.end() - 1, [&](const double& sample) {
+      const auto beyond = static_cast<double>(&samples.back() - &sample);
+      return binomialUpTo(above, count, beyond / static_cast<double>(count)) < probability;
+    });
   };
   return {quantile(kTail), quantile(1.0 - kTail)};
 }
