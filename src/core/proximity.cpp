@@ -47,10 +47,11 @@ Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {
 /// `nearest` is of the second, a mesh; `radius` has been taken off it.
 Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_certain,
                  const Isometry3d& frame_from_mesh) {
-  const Vector3d offset = unitOrZero(nearest.closest.offset);
   const bool inside = nearest.distance + radius < 0.0;
-  const Vector3d normal =
-      offset.isZero(0.0) ? Vector3d(-nearest.normal) : Vector3d(inside ? -offset : offset);
+  Vector3d normal = (inside ? -1.0 : 1.0) * unitOrZero(nearest.closest.offset);
+  // Where the core crosses the surface, both points are as far apart as the radius reaches.
+  if (normal.isZero(0.0)) normal = unitOrZero(nearest.tip_point - nearest.closest.point);
+  if (normal.isZero(0.0)) normal = -nearest.normal;
   return transformed({nearest.tip_point, nearest.closest.point, normal, nearest.distance,
                       nearest.lower_bound, nearest.upper_bound, nearest.distance <= 0.0,
                       colliding_certain, std::nullopt, nearest.triangle, nearest.work},

@@ -30,12 +30,22 @@ constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kUpdateQueue =
     100;  // taken in faster than they come: each is only added to what waits
-constexpr std::uint32_t kLargestGap = 10'000;  // of sequence numbers: a larger one is no loss
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
   node.setCallbackQueue(&queue);
   return node;
 }
+
+bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
+  const auto entry = event.getConnectionHeader().find("latching");
+  return entry != event.getConnectionHeader().end() && entry->second == "1";
+}
+
+/// Wakes who waits for a queue.
+class Wake : public ros::CallbackInterface {
+ public:
+  CallResult call() override { return Success; }
+};
 
 OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
   OrganCollisionConfig config;
@@ -226,16 +236,12 @@ void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& ev
   }
 }
 
-/// How many updates of this one's publisher did not come. Queues are bounded, the publisher's too:
-/// what they drop is a gap in the sequence numbers.
+/// How many updates of this one's publisher did not come.
 std::uint32_t CollisionNode::missedBefore(const ros::MessageEvent<MeshUpdate const>& event) {
   const std::string& publisher = event.getPublisherName();
-  const std::uint32_t sequence = event.getConstMessage()->header.seq;
-  const auto [last, is_first] = last_sequence_.try_emplace(publisher, sequence);
-  const bool runs_on = !is_first && sequence > last->second;
-  const std::uint32_t missed = runs_on ? sequence - last->second - 1 : 0;
-  last->second = sequence;
-  if (missed == 0 || missed > kLargestGap) return 0;
+  const std::uint32_t missed = update_gaps_.before(publisher, event.getConstMessage()->header.seq);
+  // rospy counts up for each one that subscribes to what is latched.
+  if (missed == 0 || isLatched(event)) return 0;
   const std::string loss =
       std::to_string(missed) + " mesh updates of " + publisher + " were lost on the way here";
   if (update_log_.allows(loss)) ROS_WARN("%s", loss.c_str());
@@ -281,6 +287,7 @@ void CollisionNode::publishMeshInfo() {
       array.meshes.back().reason += " for " + partnersOfOrgan(scene_, i);
   }
   mesh_info_publisher_.publish(array);
+  tf_queue_.addCallback(boost::make_shared<Wake>());  // run() tells contacts with what has changed
 }
 
 void CollisionNode::publishMarkers() {

@@ -11,6 +11,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,7 @@
 #include "node/log_limit.h"
 #include "node/master_watch.h"
 #include "node/proximity_cycle.h"
+#include "node/sequence_gaps.h"
 #include "node/services.h"
 #include "node/signal.h"
 #include "node/transform_intake.h"
@@ -109,9 +111,9 @@ class CollisionNode {
   std::atomic<bool> stopping_{false};
   std::thread updater_;
 
-  ros::CallbackQueue update_queue_;                     // worked off by update_spinner_ alone
-  std::map<std::string, std::uint32_t> last_sequence_;  // of each publisher; update_spinner_ alone
-  LogLimit update_log_;                                 // update_spinner_ alone
+  ros::CallbackQueue update_queue_;  // worked off by update_spinner_ alone
+  SequenceGaps update_gaps_;         // update_spinner_ alone
+  LogLimit update_log_;              // update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
   ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;

@@ -40,6 +40,7 @@ Marker marker(const std::string& frame, const std::string& what, std::size_t id,
               const std_msgs::ColorRGBA& colour) {
   Marker result;
   result.header.frame_id = frame;  // stamp zero: where the frame is now
+  result.frame_locked = true;      // and where it goes
   result.ns = what;
   result.id = static_cast<int>(id);
   result.type = type;

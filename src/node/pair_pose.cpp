@@ -58,6 +58,7 @@ std::string quietest(const tf2::BufferCore& buffer, const std::string& one,
 bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   const FrameLookup first = lookUpFrame(buffer, frames_.second, frames_.first);
   reason_ = first.reason;
+  if (!first.pose && isKnown()) return false;
   bool moved = false;
   if (first.pose) {
     // What is static has no stamp to tell by.
@@ -66,8 +67,9 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
         second_from_first_->target_from_source.matrix() != first.pose->target_from_source.matrix();
     second_from_first_ = first.pose;
   }
-  FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second,
-                                  first.pose ? first.pose->stamp : ros::Time());
+  const ros::Time stamp = first.pose ? first.pose->stamp : ros::Time();
+  FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second, stamp);
+  if (!scene.pose && isKnown() && !moved && !stamp.isZero()) return false;
   if (!scene.pose) scene = lookUpFrame(buffer, frames_.scene, frames_.second);
   if (scene.pose) scene_from_second_ = scene.pose;
   if (reason_.empty()) reason_ = scene.reason;
@@ -77,7 +79,8 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
 ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }
 
 bool PairPose::isLate(const ros::Time& now, double stale_after) const {
-  return !reason_.empty() || !isOfNow(*second_from_first_, now, stale_after);
+  return !reason_.empty() || !isOfNow(*second_from_first_, now, stale_after) ||
+         !isOfNow(*scene_from_second_, now, stale_after);
 }
 
 std::string PairPose::complaint(const ros::Time& now, double stale_after,

@@ -20,8 +20,9 @@ struct PairFrames {
   std::string first, second, scene;
 };
 
-/// Where the first of a pair is in the second's frame, and the second in the scene's: the last that
-/// tf knew. Once known they are kept, whatever tf forgets.
+/// Where the first of a pair is in the second's frame: the last that tf knew. And the second in the
+/// scene's: at that time if tf knows it, else the last. Once known they are kept, whatever tf
+/// forgets.
 class PairPose {
  public:
   explicit PairPose(PairFrames frames) : frames_(std::move(frames)) {}
@@ -44,7 +45,7 @@ class PairPose {
   /// more than a Duration can hold.
   ros::Duration age(const ros::Time& now) const;
 
-  /// The first's pose is not that of now.
+  /// The first's pose, or that of the scene's frame, is not that of now.
   bool isLate(const ros::Time& now, double stale_after) const;
 
   /// Why the poses are not those of now, and of which frame `buffer` has heard no more; empty: they

@@ -1,6 +1,7 @@
 #include "node/snapshots.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -22,17 +23,22 @@ void Snapshots::Shelf::put(std::unique_ptr<OrganSnapshot> spare) {
 }
 
 std::unique_ptr<OrganSnapshot> Snapshots::Shelf::take() {
-  std::vector<std::unique_ptr<OrganSnapshot>> too_many;  // freed after the lock
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::sort(spares_.begin(), spares_.end(), isOlder);
-  while (spares_.size() > kSpares) {
-    too_many.push_back(std::move(spares_.front()));
-    spares_.erase(spares_.begin());
-  }
   if (spares_.empty()) return nullptr;
+  std::sort(spares_.begin(), spares_.end(), isOlder);
   std::unique_ptr<OrganSnapshot> latest = std::move(spares_.back());
   spares_.pop_back();
   return latest;
+}
+
+void Snapshots::Shelf::trim() {
+  std::vector<std::unique_ptr<OrganSnapshot>> too_many;  // freed after the lock
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (spares_.size() <= kSpares) return;
+  std::sort(spares_.begin(), spares_.end(), isOlder);
+  const auto kept = spares_.end() - kSpares;
+  std::move(spares_.begin(), kept, std::back_inserter(too_many));
+  spares_.erase(spares_.begin(), kept);
 }
 
 Snapshots::Snapshots(OrganSnapshot first) {
@@ -65,6 +71,8 @@ std::shared_ptr<const OrganSnapshot> Snapshots::publish(std::unique_ptr<OrganSna
     const std::lock_guard<std::mutex> lock(mutex_);
     current_.swap(former);
   }
+  former.reset();
+  shelf_->trim();
   return published;
 }
 

@@ -49,8 +49,10 @@ class Snapshots {
   class Shelf {
    public:
     void put(std::unique_ptr<OrganSnapshot> spare);
-    /// The latest of the newest splits; frees what is more than two could use.
+    /// The latest of the newest splits.
     std::unique_ptr<OrganSnapshot> take();
+    /// Frees what is more than two could use.
+    void trim();
 
    private:
     std::mutex mutex_;  // held for pointers' copies: who puts may be a query

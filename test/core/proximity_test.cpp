@@ -180,6 +180,22 @@ TEST(Proximity, OfRoundShapesIsTheExactDistanceOfTheirCoresLessTheRadii) {
   }
 }
 
+TEST(Proximity, OfACoreThatCrossesAMeshHasTheNormalFromPointToPoint) {
+  std::mt19937 generator(83);
+  std::size_t crossing = 0;
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Shape first = randomShape(generator);
+    const Shape second = randomShape(generator);
+    if (!roundShape(first) || roundShape(second)) continue;
+    const Proximity found = proximity(first, second);
+    if (found.distance != -roundShape(first)->radius) continue;
+    ++crossing;
+    const Vector3d way = found.point_on_second - found.point_on_first;
+    ASSERT_LE((way - found.distance * found.normal).norm(), kTolerance);
+  }
+  EXPECT_GT(crossing, 0U);
+}
+
 TEST(Proximity, SwappedSwapsThePointsAndTurnsTheNormal) {
   std::mt19937 generator(82);
   for (std::size_t i = 0; i < queryCount(500); ++i) {

@@ -179,13 +179,39 @@ TEST_F(ContactCycleTest, ComplainsOfAnOldPoseOfTheScenesFrame) {
   for (const char* const tip : {"left_tip", "right_tip"})
     place("liver", tip, {0.5, 0.5, 3.0}, ros::Time(100.5));
   cycle.lookUpTips();
-  EXPECT_EQ(cycle.contacts(ros::Time(100.5), {}).contacts[0].status, Contact::OK);
+  const Contact stale = cycle.contacts(ros::Time(100.5), {}).contacts[0];
+  EXPECT_EQ(stale.status, Contact::STALE);
+  EXPECT_EQ(stale.age.toSec(), 0.0) << "of the tip's pose";
   const auto complaints = cycle.complaints(ros::Time(100.5));
   ASSERT_EQ(complaints.size(), 2U);
   EXPECT_NE(complaints[0].reason.find("the scene's frame is 0.5"), std::string::npos);
   place("world", "camera", {0, 0, 5}, ros::Time(100.5));
   cycle.lookUpTips();
   EXPECT_TRUE(cycle.complaints(ros::Time(100.5)).empty());
+  EXPECT_EQ(cycle.contacts(ros::Time(100.5), {}).contacts[0].status, Contact::OK);
+}
+
+TEST_F(ContactCycleTest, ThatAreStaleStayWhereTheyWereWhateverMovesOn) {
+  scene_.frame = "camera";
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  const auto whereAt = [&cycle](double now) {
+    cycle.lookUpTips();
+    const Contact contact = cycle.contacts(ros::Time(now), {}).contacts[0];
+    EXPECT_EQ(contact.stamp, ros::Time(100.0));
+    return std::array{contact.nearest.point.x, contact.instrument_point.x};
+  };
+  const std::array there = {10.5, 10.5};
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  place("world", "camera", {0, 0, 0}, ros::Time(100.0));
+  EXPECT_EQ(whereAt(100.0), there);
+  for (const double now : {100.5, 105.0, 120.0}) {  // tf forgets what is older than ten seconds
+    place("world", "camera", {now, 0, 0}, ros::Time(now));
+    EXPECT_EQ(whereAt(now), there);
+  }
+  buffer_.clear();
+  place("world", "camera", {130, 0, 0}, ros::Time(130.0));
+  place("world", "liver", {20, 0, 0}, ros::Time(130.0));
+  EXPECT_EQ(whereAt(130.0), there);
 }
 
 TEST_F(ContactCycleTest, AStaticTipIsNeverStale) {

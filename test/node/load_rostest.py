@@ -16,6 +16,7 @@ from organ_collision.msg import ContactArray, MeshInfoArray, MeshUpdate
 SECONDS = float(os.environ.get("LOAD_SECONDS", 20.0))
 CLIENTS = 10
 CLIENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "load_client.py")
+LATCHING_CLIENT = os.path.join(os.path.dirname(CLIENT), "latching_client.py")
 MOST_POINTS = 100_000  # in one call, as docs/ros_api.md says
 STREAM_RATE = 200  # [1/s]
 LONGEST_SILENCE = 1.0  # [s] between two contacts, ten times that of the heartbeat
@@ -132,6 +133,16 @@ class Load(unittest.TestCase):
         self.send(np.arange(3))
         self.wait_for_account(start, 2 + 7)
         self.assertEqual(self.info().updates_lost, start.updates_lost + 7)
+
+    def test_who_hears_what_is_latched_besides_is_no_loss(self):
+        start = self.info()
+        publisher = self.start(LATCHING_CLIENT)
+        self.assertEqual(publisher.stdout.readline(), "published\n")
+        listener = rospy.Subscriber("organ_collision/mesh_update", MeshUpdate)  # publishes latched once more, to this
+        self.assertEqual(publisher.communicate()[0], "published again\n")
+        listener.unregister()
+        self.wait_for_account(start, 2)
+        self.assertEqual(self.info().updates_lost, start.updates_lost)
 
     def test_a_batch_above_the_limit_is_refused_with_both_numbers(self):
         answer = self.services.find(np.zeros((MOST_POINTS + 1, 3)))

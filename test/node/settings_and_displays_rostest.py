@@ -86,6 +86,7 @@ class SettingsAndDisplays(unittest.TestCase):
             markers = Inbox("organ_collision/markers", MarkerArray)
             lists = [[marker for marker in each.markers if marker.type == Marker.TRIANGLE_LIST]
                      for each in (markers.wait_for(self.shows_the_surface), markers.wait_for())]
+        self.assertTrue(all(marker.frame_locked for marker in lists[0]), "they follow an organ that moves")
         surface = next(marker for marker in lists[0] if len(marker.points) > 3)
         np.testing.assert_allclose(self.triangles_of(surface), self.surface.corners, rtol=0, atol=LIFT)
         lit = {self.colour(marker): marker for marker in lists[0] if len(marker.points) == 3}
