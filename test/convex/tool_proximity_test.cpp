@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -138,6 +139,25 @@ TEST(HullProximity, AgreesWithTheTrianglesAndTheAnalyticAnswer) {
   EXPECT_GT(apart, count / 10);
 }
 
+/// So near that rounding hides on which side of touching they are.
+TEST(HullProximity, IsCertainThatNothingCollidesOnlyWhereTheGapIsProven) {
+  std::mt19937 generator(95);
+  std::size_t uncertain = 0;
+  for (int i = 0; i < 500; ++i) {  // it takes so many to meet some
+    const Shape first = randomConvex(generator);
+    Shape second = randomConvex(generator);
+    for (const double gap : {1e-8, 1e-16, 0.0}) {
+      const auto found = hullProximity(first, second);
+      if (!found || found->colliding) break;
+      ASSERT_EQ(found->colliding_certain, found->lower_bound > 0.0);
+      if (!found->colliding_certain) ++uncertain;
+      const Vector3d closer = (gap - found->distance) * found->normal;
+      second = core::transformed(second, Isometry3d(Eigen::Translation3d(closer)));
+    }
+  }
+  EXPECT_GT(uncertain, 0U);
+}
+
 TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
   std::mt19937 generator(92);
   for (std::size_t i = 0; i < queryCount(500); ++i) {
@@ -202,13 +222,26 @@ TEST(HullProximity, DependsOnNoSize) {
   }
 }
 
-TEST(ToolProximity, IsThatOfTheNearestPiecesInTheSecondsFrame) {
-  const core::Shapes first = {Sphere{{0, 0, 9}, 1}, box({1, 1, 1})};
-  const core::Shapes second = {Sphere{{0, 0, -4}, 0.5}, Vector3d(0, 0, -1)};
-  const Proximity nearest = toolProximity(first, at(0, 0, 2), second, {});
-  EXPECT_NEAR(nearest.distance, 2.5, kGjk);
-  EXPECT_NEAR(nearest.point_on_first.z(), 1.5, kGjk);
-  EXPECT_EQ(nearest.point_on_second, Vector3d(0, 0, -1));
+TEST(ToolProximity, IsThatOfTheNearestPiecesInTheSecondsFrameWhereverTheyAreListed) {
+  core::Shapes first = {Sphere{{0, 0, 9}, 1}, box({1, 1, 1})};
+  core::Shapes second = {Sphere{{0, 0, -4}, 0.5}, Vector3d(0, 0, -1)};
+  for (core::Shapes* const turned : {&first, &second, &first, &second}) {
+    const Proximity nearest = toolProximity(first, at(0, 0, 2), second, {});
+    EXPECT_NEAR(nearest.distance, 2.5, kGjk);
+    EXPECT_NEAR(nearest.point_on_first.z(), 1.5, kGjk);
+    EXPECT_EQ(nearest.point_on_second, Vector3d(0, 0, -1));
+    std::reverse(turned->begin(), turned->end());
+  }
+}
+
+TEST(ToolProximity, KeepsToTheAccuracyAskedFor) {
+  const core::Shapes blob = {RigidMesh{std::make_shared<const CollisionMesh>(test::blob(4)),
+                                       Isometry3d::Identity(), false}};
+  const auto ask = [&](const core::Accuracy& accuracy) {
+    return toolProximity(blob, Isometry3d::Identity(), {Vector3d(0.3, 0.2, 0.1)}, accuracy);
+  };
+  EXPECT_LT(ask(core::Accuracy::greedy()).lower_bound, ask(core::Accuracy::greedy()).upper_bound);
+  EXPECT_EQ(ask({}).lower_bound, ask({}).upper_bound);
 }
 
 TEST(ToolProximity, LeavesAMeshThatIsNotCalledConvexAsItIs) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "mesh_writers.h"
 
@@ -25,7 +26,7 @@ TEST_F(MeshFormats, ReadsEveryWayToNameACornerInObj) {
                                        "v 0 0 0\r\nv +1 0 0 1.0\n\tv 0 1e0 0 0.5 0.5 0.5\r\n"
                                        "vt 0 0\nvn 0 0 1\ng a\n"
                                        "f 1/1 2/1 3/1\nusemtl m\nf 1/1/1 2/1/1 3/1/1 # round\n"
-                                       "g b\nf 1//1 2//1 3//1\ns off\nf -3 -2 -1\n"
+                                       "g b\nf 1//1 2//1 3//1\ns off\nl 1 2\nf -3 -2 -1\n"
                                        "v 5 5 5\nf -4/-1/-1 -3/-1/-1 -2/-1/-1");
   EXPECT_EQ(mesh.positions(), core::Points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}}));
   EXPECT_EQ(facesOf(mesh), Faces(6, {0, 1, 2}));
@@ -97,12 +98,15 @@ TEST_F(MeshFormats, TurnsAPolygonIntoAFanInItsPlace) {
 
 // ---- off
 
-TEST_F(MeshFormats, ReadsOffWithColours) {
-  const core::TriangleMesh mesh =
-      load("m.off",
-           "COFF 3 1 0 # counts\n\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 9 9 9 9\n"
-           "3 0 1 2 0.5 0.5 0.5\n");
-  expectSame(mesh, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+TEST_F(MeshFormats, ReadsOffWithNormalsColoursAndTextures) {
+  for (const char* const keyword :
+       {"COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"}) {
+    const core::TriangleMesh mesh =
+        load("m.off", std::string(keyword) +
+                          " 3 1 0 # counts\n\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n"
+                          "0 1 0 9 9 9 9\n3 0 1 2 0.5 0.5 0.5\n");
+    expectSame(mesh, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+  }
 }
 
 TEST_F(MeshFormats, RefusesABadOff) {
@@ -148,6 +152,28 @@ TEST_F(MeshFormats, ReadsEveryTypeOfPlyAndPassesOverWhatItDoesNotNeed) {
     put(bytes, static_cast<std::int32_t>(-i));
   }
   expectSame(load("m.ply", bytes), {{{0, 0, 0}, {-1, 1, 0.1}, {-2, 4, 0.2}}, {{2, 0, 1}}});
+}
+
+TEST_F(MeshFormats, ReadsEveryIntegerOfPlyInItsWholeRange) {
+  const auto as = [this](const std::string& type, auto number) {
+    std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
+    for (const char* const axis : {"x", "y", "z"}) bytes += "property " + type + " " + axis + "\n";
+    bytes += "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    for (int i = 0; i < 3; ++i) put(bytes, number);
+    for (const std::uint8_t byte : {3, 0, 0, 0}) put(bytes, byte);
+    return load("m.ply", bytes).positions()[0].x() == static_cast<double>(number);
+  };
+  const auto range = [&as](const std::string& type, const std::string& other, auto number) {
+    using Range = std::numeric_limits<decltype(number)>;
+    for (const std::string& name : {type, other})
+      EXPECT_TRUE(as(name, Range::min()) && as(name, Range::max())) << name;
+  };
+  range("char", "int8", std::int8_t{});
+  range("uchar", "uint8", std::uint8_t{});
+  range("short", "int16", std::int16_t{});
+  range("ushort", "uint16", std::uint16_t{});
+  range("int", "int32", std::int32_t{});
+  range("uint", "uint32", std::uint32_t{});
 }
 
 const std::string kPlyHeader =
@@ -241,22 +267,47 @@ TEST_F(MeshFormats, TurnsTheTrianglesOfAMirroredNodeRound) {
   EXPECT_GT((triangle.b - triangle.a).cross(triangle.c - triangle.a).y(), 0.0);
 }
 
-/// A triangle whose numbers are in another file, or in this one.
-std::string gltf(const std::string& uri) {
+TEST_F(MeshFormats, PassesOverTheLinesOfAMesh) {
+  const Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, {{0, 1}, {0, 1, 2}}};
+  std::string lines = plainDae(shape);
+  for (const auto& [from, to] :
+       {std::pair("<triangles", "<polylist"), std::pair("<p>", "<vcount>2 3</vcount><p>"),
+        std::pair("</triangles", "</polylist")}) {
+    lines.replace(lines.find(from), std::string(from).size(), to);
+  }
+  expectSame(load("m.dae", lines), {shape.positions, {{0, 1, 2}}});
+}
+
+/// A scene of two meshes: a triangle whose numbers are in another file or in this one, and the same
+/// triangle turned round.
+std::string gltf(const std::string& uri, const std::string& nodes = R"([{"mesh": 0}])") {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
-    "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "nodes": )" +
+         nodes + R"(,
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]},
+               {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 3}],
     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+                   "min": [0, 0, 0], "max": [1, 1, 0]},
+                  {"bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR"}],
     "buffers": [{"byteLength": 36, "uri": ")" +
-         uri + "\"}]}";
+         uri + R"("}, {"byteLength": 3, "uri": "data:application/octet-stream;base64,AAIB"}]})";
+}
+
+const std::string kEmbedded =
+    "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+
+TEST_F(MeshFormats, ReadsEveryNodeOfGltfWithTheMeshThatItNames) {
+  const core::TriangleMesh mesh = load(
+      "m.gltf",
+      gltf(kEmbedded, R"([{"children": [1, 2]}, {"mesh": 1}, {"mesh": 0, "scale": [2, 2, 2]}])"));
+  expectSame(mesh,
+             {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 3, 4}}});
 }
 
 /// They may lie where no mesh may be read.
 TEST_F(MeshFormats, OpensNoOtherFilesThatAFileNames) {
-  const std::string numbers = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
-  const std::string embedded = "data:application/octet-stream;base64," + numbers;
-  EXPECT_EQ(load("m.gltf", gltf(embedded)).triangleCount(), 1U);
+  EXPECT_EQ(load("m.gltf", gltf(kEmbedded)).triangleCount(), 1U);
   std::ofstream(folder_.path() / "other.bin", std::ios::binary)
       .write(reinterpret_cast<const char*>(std::array<float, 9>{0, 0, 0, 1, 0, 0, 0, 1, 0}.data()),
              36);

@@ -272,7 +272,7 @@ TEST(Scene, RefusesShapesThatThereAreNot) {
 }
 
 TEST(Scene, TakesEveryShape) {
-  const List ends = {List{0, 0, 0}, List{0.0, 0.0, -0.2}};
+  const List ends = {List{0.1, 0, 0.3}, List{0.0, 0.0, -0.2}};
   const Map sphere = with(with(instrument("a"), "shape", "sphere"), "radius", 0.003);
   const Map capsule =
       with(with(with(instrument("b"), "shape", "capsule"), "radius", 0.004), "ends", ends);
@@ -286,6 +286,7 @@ TEST(Scene, TakesEveryShape) {
   EXPECT_EQ(std::get<core::Sphere>(shape(0)).radius, 0.003);
   EXPECT_EQ(std::get<core::Sphere>(shape(0)).centre, Eigen::Vector3d::Zero());
   EXPECT_EQ(std::get<core::Capsule>(shape(1)).radius, 0.004);
+  EXPECT_EQ(std::get<core::Capsule>(shape(1)).start, Eigen::Vector3d(0.1, 0, 0.3));
   EXPECT_EQ(std::get<core::Capsule>(shape(1)).end, Eigen::Vector3d(0, 0, -0.2));
   EXPECT_EQ(std::get<MeshFile>(parsed.instruments[2].geometry).url, "jaw.stl");
   EXPECT_EQ(std::get<MeshFile>(parsed.instruments[2].geometry).scale, 0.001);
