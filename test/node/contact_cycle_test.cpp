@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "node/cube_organ.h"
 #include "node/frames.h"
 #include "node/moves.h"
 #include "test_meshes.h"
@@ -160,9 +161,9 @@ TEST_F(ContactCycleTest, NoAgeIsTooLargeForIt) {
   EXPECT_EQ(contacts(ros::Time(4e9)).contacts[0].age, ros::DURATION_MAX);
 }
 
-TEST_F(ContactCycleTest, APoseAtInfinityIsNoPose) {
+TEST_F(ContactCycleTest, APoseAtInfinityOrNearlyThereIsNoPose) {
   ros::Time now(100.0);
-  for (const double at : {kInfinity, -kInfinity, 1e200}) {
+  for (const double at : {kInfinity, -kInfinity, 1e200, 1e9, -1e9}) {
     now += ros::Duration(0.01);
     place("liver", "left_tip", {0.5, at, 3.0}, now);
     const Contact contact = contacts(now).contacts[0];
@@ -222,6 +223,15 @@ TEST_F(ContactCycleTest, AStaticTipIsNeverStale) {
   EXPECT_TRUE(contact.age.isZero());
 }
 
+TEST_F(ContactCycleTest, AStaticTipThatTfLosesIsStale) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(0), true);
+  EXPECT_EQ(contacts(ros::Time(100.0)).contacts[0].status, Contact::OK);
+  place("liver", "left_tip", {0.5, 1e9, 3.0}, ros::Time(0), true);
+  const Contact stale = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(stale.status, Contact::STALE);
+  EXPECT_EQ(stale.nearest.distance, 2.0);
+}
+
 TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   scene_.max_distance = 1.0;
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
@@ -233,16 +243,31 @@ TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_TRUE(contact.colliding_certain);
 }
 
+TEST_F(ContactCycleTest, IsStaleRatherThanOutOfRange) {
+  scene_.max_distance = 1.0;
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_EQ(contacts(ros::Time(100.0)).contacts[0].status, Contact::OUT_OF_RANGE);
+  EXPECT_EQ(contacts(ros::Time(100.5)).contacts[0].status, Contact::STALE);
+}
+
 TEST_F(ContactCycleTest, IsCulledByBoxesBeforeAnyTriangleIsLookedAt) {
   scene_.max_distance = 1.0;
   instruments_[0].shapes = {core::Sphere{{0, 0, 0}, 0.5}};
-  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  place("liver", "left_tip", {2.5, 2.5, 0.5}, ros::Time(100.0));
   const Contact contact = contacts(ros::Time(100.0)).contacts[0];
   EXPECT_EQ(contact.status, Contact::OUT_OF_RANGE);
-  EXPECT_EQ(contact.nearest.lower_bound, 1.5);
+  EXPECT_EQ(contact.nearest.lower_bound, std::sqrt(2.0)) << "of the boxes; the sphere is farther";
   EXPECT_TRUE(contact.colliding_certain);
-  EXPECT_EQ(contact.instrument_point.x, 10.5);
-  EXPECT_EQ(organs_[0]->costRatio(), 1.0);
+  EXPECT_EQ(contact.instrument_point.x, 12.5);
+}
+
+TEST_F(ContactCycleTest, CountsAsAQuestionThatTellsWear) {
+  organs_[0] = std::make_unique<Organ>("liver", "liver", test::blob(4));
+  organs_[0]->update({{}, crushed(test::blob(4).positions())}, UpdateMode::kRefit, 0);
+  place("liver", "left_tip", {0.0, 0.02, 0.2}, ros::Time(100.0));
+  for (int i = 0; i < 1024; ++i) contacts(ros::Time(100.0));
+  organs_[0]->work();
+  EXPECT_NE(organs_[0]->costRatio(), 1.0);
 }
 
 TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
@@ -279,6 +304,7 @@ TEST_F(ContactCycleTest, WithoutAWayToTheScenesFrameThereIsNoPose) {
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
   cycle.lookUpTips();
   EXPECT_EQ(cycle.contacts(ros::Time(100.0), {}).contacts[0].status, Contact::NO_POSE);
+  EXPECT_NE(cycle.complaints(ros::Time(100.0))[0].reason.find("nowhere"), std::string::npos);
 }
 
 }  // namespace

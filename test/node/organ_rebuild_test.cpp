@@ -33,12 +33,6 @@ void ask(Organ& organ, const Accuracy& accuracy) {
   }
 }
 
-/// Crushed along x: splits across it part nothing any more.
-Points crushed(Points points) {
-  for (Eigen::Vector3d& point : points) point.x() *= 0.01;
-  return points;
-}
-
 TEST(Organ, RebuildsInTheBackgroundWhenQueriesHaveLostEnough) {
   Organ organ("liver", "liver_frame", test::blob(4));
   const auto signal = std::make_shared<Signal>();

@@ -4,6 +4,7 @@
 #include <organ_collision/Contact.h>
 
 #include <limits>
+#include <random>
 
 #include "node/frames.h"
 #include "node/moves.h"
@@ -68,10 +69,16 @@ TEST_F(ProximityCycleTest, TellsInstrumentsAndOrgansInTheScenesFrame) {
   EXPECT_EQ(tools.point_on_second.z, 1.5);
   EXPECT_EQ(tools.normal.z, 1.0);
   EXPECT_EQ(tools.triangle_of_first, -1);
+  EXPECT_EQ(tools.lower_bound, 1.25);
+  EXPECT_EQ(tools.upper_bound, 1.25);
   EXPECT_FALSE(tools.colliding);
+  EXPECT_TRUE(tools.colliding_certain);
+  EXPECT_NEAR(tools.age.toSec(), 0.01, 1e-9);
+  EXPECT_GT(array.computation_time, 0.0);
   const Proximity& organs = array.proximities[1];
   EXPECT_EQ(organs.first, "stomach");
   EXPECT_EQ(organs.status, Contact::STALE);
+  EXPECT_NEAR(organs.age.toSec(), 1.01, 1e-9);
   EXPECT_EQ(organs.distance, 2.0);
   EXPECT_EQ(organs.point_on_first.z, 3.0);
   EXPECT_GE(organs.point_on_first.x, 10.0);
@@ -109,6 +116,14 @@ TEST_F(ProximityCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_TRUE(far.colliding_certain);
 }
 
+TEST_F(ProximityCycleTest, IsStaleRatherThanOutOfRange) {
+  scene_.max_distance = 1.0;
+  place("world", "left_tip", {0, 0, 0}, ros::Time(100.0));
+  place("world", "right_tip", {0, 0, 2}, ros::Time(100.0));
+  EXPECT_EQ(proximities(ros::Time(100.0)).proximities[0].status, Contact::OUT_OF_RANGE);
+  EXPECT_EQ(proximities(ros::Time(100.5)).proximities[0].status, Contact::STALE);
+}
+
 TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
   place("liver", "stomach", {0, 0, 3}, ros::Time(100.0));
   EXPECT_TRUE(cycle_.lookUp());
@@ -119,6 +134,47 @@ TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
     EXPECT_FALSE(cycle_.lookUp());
   }
   EXPECT_EQ(cycle_.proximities(ros::Time(100.0), {}).proximities[1].distance, 1.0);
+}
+
+/// Instruments and organs that are bumpy.
+class ProximityOfBlobs : public ProximityCycleTest {
+ protected:
+  ProximityOfBlobs() {
+    const core::RigidMesh shape = {std::make_shared<const core::CollisionMesh>(test::blob(4)),
+                                   Eigen::Isometry3d::Identity(), false};
+    for (Instrument& instrument : instruments_) instrument.shapes = {shape};
+    for (auto& organ : organs_)
+      organ = std::make_unique<Organ>(organ->name(), organ->frame(), test::blob(4));
+    place("left_tip", "right_tip", {0.3, 0.2, 0.1}, ros::Time(0), true);
+    place("world", "left_tip", {0, 0, 0}, ros::Time(0), true);
+    place("liver", "stomach", {0.3, 0.2, 0.1}, ros::Time(0), true);
+    cycle_.lookUp();
+  }
+};
+
+TEST_F(ProximityOfBlobs, KeepsToTheAccuracyAskedForAndTellsItsBounds) {
+  const ProximityArray greedy = cycle_.proximities(ros::Time(1.0), core::Accuracy::greedy());
+  const ProximityArray exact = cycle_.proximities(ros::Time(1.0), {});
+  for (const std::size_t i : {0, 1}) {
+    EXPECT_LT(greedy.proximities[i].lower_bound, exact.proximities[i].distance);
+    EXPECT_GE(greedy.proximities[i].upper_bound, exact.proximities[i].distance);
+    EXPECT_EQ(exact.proximities[i].lower_bound, exact.proximities[i].upper_bound);
+  }
+}
+
+TEST_F(ProximityOfBlobs, FollowsEitherOrganWhenItDeforms) {
+  std::mt19937 generator(5);
+  for (int i = 0; i < 120; ++i) {
+    Organ& organ = *organs_[i < 60 ? 0 : 1];
+    core::Points positions = organ.snapshot()->organ.mesh().positions();
+    for (Eigen::Vector3d& position : positions) position += test::randomPoint(generator, 0.004);
+    organ.update({{}, positions}, UpdateMode::kRefit, 0);
+    cycle_.lookUp();
+    ProximityCycle fresh(scene_, instruments_, organs_, buffer_);
+    fresh.lookUp();
+    ASSERT_EQ(cycle_.proximities(ros::Time(1.0), {}).proximities[1].distance,
+              fresh.proximities(ros::Time(1.0), {}).proximities[1].distance);
+  }
 }
 
 }  // namespace

@@ -129,6 +129,22 @@ TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
   EXPECT_TRUE(knows("tip"));
 }
 
+TEST_F(TransformIntakeTest, WhatIsRefusedTakesNothingElseOfItsMessageWithIt) {
+  tf2_msgs::TFMessage message;
+  for (const char* const child : {"first", "bad", "last"}) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "liver";
+    transform.header.stamp = ros::Time(1.0);
+    transform.child_frame_id = child;
+    transform.transform.rotation.w = child == std::string("bad") ? 0.0 : 1.0;
+    message.transforms.push_back(transform);
+  }
+  EXPECT_THAT(intake_.take(message, "test", false, ros::Time(1.0)), HasSubstr("'bad'"));
+  EXPECT_TRUE(knows("first"));
+  EXPECT_FALSE(knows("bad"));
+  EXPECT_TRUE(knows("last"));
+}
+
 /// tf2 would keep calling the first one static, and so never old.
 TEST_F(TransformIntakeTest, AFrameIsStaticOrMovesButNotBoth) {
   hear("fixed", 1.0, ros::Time(0), ros::Time(100.0), true);

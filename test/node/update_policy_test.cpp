@@ -60,7 +60,7 @@ TEST(RefitPolicy, KnowsSizesFromOneVertexToMoreThanThereAre) {
 
 TEST(RebuildPolicy, RebuildsWhenQueriesHaveLostMoreThanARebuildCosts) {
   RebuildPolicy policy(0.015);
-  const Wear wear = {2.0, 0.0, 10 * kMicrosecond, 10 * kMicrosecond};  // half of 10 us is lost
+  const Wear wear = {2.0, 0.0, 10 * kMicrosecond, 30 * kMicrosecond};  // half of 10 us is lost
   policy.recordQueries(2000, wear);
   EXPECT_NEAR(policy.lost(), 0.010, 1e-12);
   EXPECT_FALSE(policy.isDue());
