@@ -4,8 +4,11 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "node/cube_organ.h"
+#include "node/moves.h"
 
 namespace organ_collision::node {
 namespace {
@@ -142,6 +145,50 @@ TEST(Conversions, OfAnOrganTellItsHealthAndItsBox) {
   EXPECT_EQ(info.last_action, MeshInfo::LOAD);
   EXPECT_EQ(info.cost_ratio, 1.0);
   EXPECT_GT(info.memory, 0);
+}
+
+TEST(Conversions, OfAnOrganTellEachFaultOfItsMesh) {
+  const auto told = [](core::TriangleMesh mesh) {
+    return toMessage(Organ("liver", "liver", std::move(mesh)));
+  };
+  EXPECT_TRUE(told(test::turned(test::cube())).inverted);
+  const MeshInfo open = told(test::grid(1, 1));
+  EXPECT_FALSE(open.closed);
+  EXPECT_TRUE(open.consistently_wound);
+  std::vector<core::Corners> triangles = test::cube().triangles();
+  std::swap(triangles[0][0], triangles[0][1]);
+  const MeshInfo unwound = told({test::cube().positions(), triangles});
+  EXPECT_TRUE(unwound.closed);
+  EXPECT_FALSE(unwound.consistently_wound);
+  triangles.insert(triangles.end(), {triangles[3], triangles[3], test::corners(0, 0, 7)});
+  const MeshInfo repeated = told({test::cube().positions(), triangles});
+  EXPECT_EQ(repeated.degenerate_triangles, 1);
+  EXPECT_EQ(repeated.duplicate_triangles, 2);
+}
+
+TEST(Conversions, OfAnOrganTellWhatBecameOfItsUpdates) {
+  Organ organ = cube();
+  for (const double z : {2.0, 3.0, 4.0}) organ.enqueue(test::movesOf({7}, {{1, 1, z}}));
+  organ.countLostUpdate();
+  organ.work();
+  const MeshInfo info = toMessage(organ);
+  EXPECT_EQ(info.updates_merged, 2);
+  EXPECT_EQ(info.updates_lost, 1);
+  EXPECT_EQ(info.mesh_version, 2);
+  EXPECT_EQ(info.last_action, MeshInfo::PARTIAL_REFIT);
+  EXPECT_THAT(info.reason, HasSubstr("streamed: 1 of 8 vertices moved"));
+  EXPECT_THAT(coordinates(info.max), ElementsAre(1, 1, 4));
+}
+
+TEST(Conversions, OfAnOrganTellItsWear) {
+  Organ organ("liver", "liver", test::blob(4));
+  organ.update({{}, crushed(test::blob(4).positions())}, UpdateMode::kRefit, 0);
+  const auto snapshot = organ.snapshot();
+  const auto answer = core::nearestTriangle(snapshot->organ, Vector3d(0, 0.02, 0.2));
+  for (int i = 0; i < 1024; ++i) organ.account(answer, {});
+  organ.work();
+  EXPECT_NE(organ.costRatio(), 1.0);
+  EXPECT_EQ(toMessage(organ).cost_ratio, organ.costRatio());
 }
 
 TEST(Conversions, OfParametersKeepTheirKinds) {

@@ -97,6 +97,9 @@ TEST(Organ, TakesANewTopology) {
   Organ organ = cube();
   const auto replaced = organ.replace(test::cube(2.0), 1);
   EXPECT_EQ(replaced.version, 2U);
+  EXPECT_EQ(replaced.action, Action::kRebuild);
+  EXPECT_EQ(replaced.reason, "new topology");
+  EXPECT_EQ(organ.snapshot()->version, 2U);
   EXPECT_EQ(heightOfTop(organ), 2.0);
   organ.replace(test::blob(2), 0);
   EXPECT_EQ(organ.snapshot()->organ.mesh().triangleCount(), 128U);
@@ -104,6 +107,17 @@ TEST(Organ, TakesANewTopology) {
     organ.update({{}, test::blob(2).positions()}, UpdateMode::kRefit, 0);
     organ.update(movesOf({65}, {{0, 0, z}}), UpdateMode::kRefit, 0);
     EXPECT_EQ(organ.snapshot()->organ.mesh().positions()[65].z(), z);
+  }
+}
+
+TEST(Organ, RemembersMovesOfMoreVerticesThanTheFormerMeshHad) {
+  Organ organ = cube();
+  organ.replace(test::blob(2), 0);
+  const VertexMoves moves = movesOf({0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, Points(10, {0, 0, 0.1}));
+  for (const std::uint32_t version : {3, 4, 5}) {
+    const auto applied = organ.update(moves, UpdateMode::kRefit, 0);
+    EXPECT_EQ(applied.version, version);
+    EXPECT_THAT(applied.reason, HasSubstr("a partial refit")) << "what was missed is known";
   }
 }
 

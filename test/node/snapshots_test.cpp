@@ -60,6 +60,16 @@ TEST(Snapshots, WhatIsWrittenNextHasTheCurrentSplits) {
   EXPECT_EQ(next->organ.mesh().triangleCount(), 32U);
 }
 
+TEST(Snapshots, WhatIsWrittenAfterARebuildHasItsSplits) {
+  Snapshots snapshots(loaded());
+  publishNext(snapshots);
+  auto rebuilt = std::make_unique<OrganSnapshot>(*snapshots.current());
+  rebuilt->organ.rebuild();
+  rebuilt->hierarchy = 2;
+  snapshots.publish(std::move(rebuilt));
+  EXPECT_EQ(snapshots.writable()->hierarchy, 2U) << "though former ones of the same mesh lie there";
+}
+
 TEST(Snapshots, KeepNoMemoryOfAFormerMesh) {
   Snapshots snapshots({core::CollisionMesh(test::blob(6)), 1, Action::kLoad, "loaded", 0.0});
   publishNext(snapshots);
