@@ -6,7 +6,7 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr std::size_t kMost = 64;  // texts at a time: who sends ever new names fills no memory
+constexpr std::size_t kMostTexts = 64;  // texts at a time: who sends ever new names fills no memory
 
 std::string withoutNumbers(const std::string& text) {
   bool in_name = false;
@@ -25,7 +25,7 @@ std::string withoutNumbers(const std::string& text) {
 bool LogLimit::allows(const std::string& text, const ros::SteadyTime& now) {
   for (auto known = silent_until_.begin(); known != silent_until_.end();)
     known = known->second <= now ? silent_until_.erase(known) : std::next(known);
-  if (silent_until_.size() == kMost) return false;
+  if (silent_until_.size() == kMostTexts) return false;
   return silent_until_.emplace(withoutNumbers(text), now + ros::WallDuration(kPeriod)).second;
 }
 

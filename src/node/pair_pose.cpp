@@ -23,10 +23,10 @@ bool isOfNow(const FramePose& pose, const ros::Time& now, double stale_after) {
 
 /// The frame, the one it is told in, and so on.
 std::vector<std::string> ancestry(const tf2::BufferCore& buffer, const std::string& frame) {
-  constexpr std::size_t kMost = 100;  // some may run in a circle
+  constexpr std::size_t kMostFrames = 100;  // some may run in a circle
   std::vector<std::string> frames = {frame};
   for (std::string parent;
-       frames.size() < kMost && buffer._getParent(frames.back(), ros::Time(), parent);)
+       frames.size() < kMostFrames && buffer._getParent(frames.back(), ros::Time(), parent);)
     frames.push_back(parent);
   return frames;
 }

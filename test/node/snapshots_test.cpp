@@ -81,18 +81,6 @@ TEST(Snapshots, KeepNoMemoryOfAFormerMesh) {
   }
 }
 
-TEST(Snapshots, OfMeshesThatReplaceEachOtherKeepFew) {
-  Snapshots snapshots(loaded());
-  std::set<const OrganSnapshot*> used;
-  for (std::uint32_t i = 1; i <= 20; ++i) {
-    used.insert(snapshots
-                    .publish(std::make_unique<OrganSnapshot>(OrganSnapshot{
-                        core::CollisionMesh(test::cube()), i, Action::kRebuild, "", 0.0, i}))
-                    .get());
-  }
-  EXPECT_LT(used.size(), 10U) << "what is freed is where the next ones come";
-}
-
 TEST(Snapshots, OutliveTheirOwnerWithTheirReaders) {
   std::shared_ptr<const OrganSnapshot> taken;
   {
