@@ -9,10 +9,13 @@ import roslib.packages
 import rospy
 from geometry_msgs.msg import PoseStamped
 from rosgraph_msgs.msg import Log
-from rostest_support import PATIENCE, TOLERANCE, ContactsInbox, Frames, Pose, Services, run, wait_until
+from rostest_support import (PATIENCE, TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, coordinates, run,
+                             wait_until)
+from tf2_msgs.msg import TFMessage
 
 from organ_collision.msg import Contact
 
+CART = Pose((0.3, -0.1, 0.2), (0.1, -0.2, 0.3, 0.9))  # where the arms' base is in the world
 RADIUS = 0.002  # [m] of examples/crtk.yaml
 CLIENT = roslib.packages.find_node("organ_collision", "example_client")[0]
 
@@ -22,27 +25,34 @@ class Crtk(unittest.TestCase):
     def setUpClass(cls):
         cls.surface = Services().surface("liver")
         cls.frames = Frames()
-        cls.frames.fix(("world", "liver", Pose((0.5, 0.1, 0.2))))
+        cls.frames.fix(("world", "liver", Pose((0.5, 0.1, 0.2))), ("world", "cart", CART))
         cls.contacts = ContactsInbox()
         cls.arms = {arm: rospy.Publisher(arm + "/measured_cp", PoseStamped, queue_size=1) for arm in ("PSM1", "PSM2")}
         for publisher in cls.arms.values():
             wait_until(lambda: publisher.get_num_connections() > 0, "the relay")
 
-    def send(self, frame="world", **positions):
-        """Poses of the arms, with the same stamp, which is returned."""
+        def is_heard():
+            cls.send(PSM1=(0, 0, 0), PSM2=(0, 0, 0))
+            return cls.contacts.find(lambda array: all(each.status == Contact.OK for each in array.contacts), 0.1)
+
+        wait_until(is_heard, "the node to hear the relay")
+
+    @classmethod
+    def send(cls, frame="world", **positions):
+        """Positions of the arms, with the same stamp, which is returned."""
         message = PoseStamped()
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
         message.pose.orientation.w = 1.0
         for arm, position in positions.items():
             for axis, value in zip("xyz", position):
                 setattr(message.pose.position, axis, value)
-            self.arms[arm].publish(message)
+            cls.arms[arm].publish(message)
         return message.header.stamp
 
-    def check(self, frame):
+    def check(self, frame, world_from_frame=Pose()):
         self.contacts.forget()
         at = {"PSM1": (0.5, 0.1, 0.35), "PSM2": (0.52, 0.1, 0.2)}
-        stamp = self.send(frame, **at)
+        stamp = self.send(frame, **{arm: world_from_frame.back(position) for arm, position in at.items()})
         array = self.contacts.wait_for(lambda array: all(each.stamp == stamp for each in array.contacts))
         for contact, position in zip(array.contacts, at.values()):
             self.assertEqual(contact.status, Contact.OK)
@@ -53,7 +63,34 @@ class Crtk(unittest.TestCase):
         self.check("world")
 
     def test_a_pose_without_a_frame_is_in_the_base(self):
-        self.check("")
+        self.check("", CART)
+
+    def test_a_transform_has_the_pose_s_orientation_and_its_frame_without_a_leading_slash(self):
+        transforms = Inbox("/tf", TFMessage)
+        pose, message = Pose.random(np.random.default_rng(9)), PoseStamped()
+        message.header.frame_id, message.header.stamp = "/world", rospy.Time.now()
+        for part, values in ((message.pose.position, pose.translation), (message.pose.orientation, pose.quaternion)):
+            for axis, value in zip("xyzw", values):
+                setattr(part, axis, value)
+
+        def come():
+            self.arms["PSM1"].publish(message)
+            return [each for array in transforms.all() for each in array.transforms
+                    if each.header.stamp == message.header.stamp]
+
+        wait_until(come, "the transform")  # who has just subscribed misses some
+        told = come()[0]
+        self.assertEqual((told.header.frame_id, told.child_frame_id), ("world", "psm1_tip"))
+        np.testing.assert_array_equal(coordinates(told.transform.translation), pose.translation)
+        self.assertEqual(told.transform.rotation, message.pose.orientation)
+
+    def test_a_pose_without_a_time_is_of_now(self):
+        message = PoseStamped()
+        message.header.frame_id, message.pose.orientation.w = "world", 1.0
+        before = rospy.Time.now()
+        self.contacts.forget()
+        self.arms["PSM2"].publish(message)
+        self.contacts.contact("psm2", lambda contact: contact.stamp >= before)
 
     def test_the_client_in_python_tells_of_a_contact(self):
         heard = []

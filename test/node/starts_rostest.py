@@ -157,6 +157,18 @@ def bad_scenes(folder):
     return cases
 
 
+def launched(file, *arguments):
+    """What roslaunch makes of a launch file of this package: nothing is started."""
+    config = ROSLaunchConfig()
+    path = os.path.join(rospkg.RosPack().get_path("organ_collision"), file)
+    XmlLoader().load(path, config, argv=list(arguments), verbose=False)
+    return config
+
+
+def node_of(config, name):
+    return next(node for node in config.nodes if node.name == name)
+
+
 class Starts(unittest.TestCase):
     def complaint(self, name, described, wanted):
         """What is wrong with this start; empty if nothing is."""
@@ -256,21 +268,43 @@ class Starts(unittest.TestCase):
                              [each["name"] for each in described["organs"]])
 
     def test_rviz_shows_the_frame_of_the_scene(self):
-        package = rospkg.RosPack().get_path("organ_collision")
         for file in ("launch/demo.launch", "launch/crtk.launch", "examples/abdomen.launch", "examples/paper.launch",
                      "examples/two_instruments.launch"):
             with self.subTest(file):
-                launched = ROSLaunchConfig()
-                XmlLoader().load(os.path.join(package, file), launched, argv=["rviz:=true"], verbose=False)
-                organs = launched.params["/organ_collision/scene/organs"].value
-                frame = launched.params.get("/organ_collision/scene/frame")
-                rviz, = (node for node in launched.nodes if node.type == "rviz")
-                options = rviz.args.split()
+                config = launched(file, "rviz:=true")
+                organs = config.params["/organ_collision/scene/organs"].value
+                frame = config.params.get("/organ_collision/scene/frame")
+                options = node_of(config, "rviz").args.split()
                 with open(options[options.index("-d") + 1]) as text:
                     shown = yaml.safe_load(text)["Visualization Manager"]["Global Options"]["Fixed Frame"]
                 if "-f" in options:
                     shown = options[options.index("-f") + 1]
                 self.assertEqual(shown, frame.value if frame else organs[0]["frame"])
+
+    def test_organ_collision_launch_heeds_its_arguments(self):
+        config = launched("launch/organ_collision.launch", "prefix:=nice -n 1", "output:=log", "rviz:=true",
+                          "rviz_config:=some.rviz", "rviz_args:=-f liver")
+        node, rviz = node_of(config, "organ_collision"), node_of(config, "rviz")
+        self.assertEqual((node.launch_prefix, node.output), ("nice -n 1", "log"))
+        self.assertEqual(rviz.args, "-d some.rviz -f liver")
+        self.assertEqual((node.required, node.respawn, rviz.required), (True, False, True))
+        self.assertEqual(config.clear_params, ["/organ_collision/"], "a scene that was there before leaves no keys")
+        config = launched("launch/organ_collision.launch", "respawn:=true")
+        node, = config.nodes
+        self.assertEqual((node.launch_prefix, node.output), (None, "screen"))
+        self.assertEqual((node.required, node.respawn), (False, True))
+
+    def test_crtk_launch_heeds_its_arguments(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = written(folder, "scene.yaml", yaml.safe_dump({"scene": scene(rate=77)}))
+            params = launched("launch/crtk.launch", "arms:={left: left_tip}", "base:=cart", f"scene:={path}").params
+        relay = {name: param.value for name, param in params.items() if name.startswith("/crtk_relay/")}
+        self.assertEqual(relay, {"/crtk_relay/arms/left": "left_tip", "/crtk_relay/base": "cart"})
+        self.assertEqual(params["/organ_collision/scene/rate"].value, 77)
+
+    def test_demo_launch_hands_its_arguments_to_rviz(self):
+        config = launched("launch/demo.launch", "rviz_config:=some.rviz", "rviz_args:=-f liver")
+        self.assertEqual(node_of(config, "rviz").args, "-d some.rviz -f liver")
 
 
 if __name__ == "__main__":
