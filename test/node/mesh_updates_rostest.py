@@ -2,6 +2,7 @@
 """The organ deforms, by service and by stream, while contacts and questions go on."""
 import math
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -16,6 +17,7 @@ from organ_collision.srv import UpdateMesh, UpdateMeshRequest
 AUTO, REFIT, REBUILD = UpdateMeshRequest.AUTO, UpdateMeshRequest.REFIT, UpdateMeshRequest.REBUILD
 REFITS = (MeshInfo.REFIT, MeshInfo.PARTIAL_REFIT)
 TIP = np.array([0.02, 0.01, 0.12])  # [m] in the organ's frame
+HEARTBEAT = 0.1  # [s] contacts of a still scene come so seldom
 STREAM_RATE = 60  # [Hz]
 BURST_RATE = 1e6  # [Hz] as fast as Python can
 
@@ -80,6 +82,13 @@ class MeshUpdates(unittest.TestCase):
         self.assertEqual((info.last_action, info.triangles), (answer.action, len(self.loaded.triangles)))
         low, high = self.loaded.of(moved).box()
         self.assertEqual((info.min.z, info.max.z), (low[2], high[2]))
+
+    def test_triangles_within_a_radius_are_of_the_version_that_they_tell(self):
+        moved = self.loaded.of(self.deformed())
+        version = self.update(moved.vertices, mode=REFIT).mesh_version
+        answer = self.services.find_within(TIP, 2.0 * moved.distance(TIP))
+        self.assertEqual(answer.mesh_version, version)
+        self.assertAlmostEqual(answer.distances[0], moved.distance(TIP), delta=TOLERANCE)
 
     def test_a_rebuild_with_new_positions_is_seen_by_every_later_query(self):
         moved = self.deformed()
@@ -197,6 +206,9 @@ class MeshUpdates(unittest.TestCase):
         self.assertEqual(contact.nearest, nearest)
         info = self.latest_info(lambda info: info.mesh_version == answer.mesh_version)
         self.assertEqual((info.triangles, info.closed), (len(lower), False))
+        Inbox("/diagnostics", DiagnosticArray).wait_for(lambda array: any(
+            status.level == DiagnosticStatus.WARN and "liver: the surface is not closed" in status.message
+            for status in array.status))
 
     def test_the_expected_version_is_accepted_if_it_is_the_current_one(self):
         self.assertEqual(self.update(self.deformed(), expected_version=self.version).mesh_version, self.version + 1)
@@ -346,6 +358,13 @@ class MeshUpdates(unittest.TestCase):
 
     def test_a_burst_of_whole_updates_leads_to_its_last_state(self):
         self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(20)], BURST_RATE)
+
+    def test_contacts_of_a_still_tip_follow_each_update_at_once(self):
+        start = time.monotonic()
+        for i in range(1, 21):
+            self.send(self.loaded.vertices[:1] + [0.0, 0.0, 1e-5 * i], indices=[0])
+            self.contacts.contact("fixed", lambda contact: contact.mesh_version == self.version + i)
+        self.assertLess(time.monotonic() - start, 10 * HEARTBEAT)
 
     def test_contacts_go_on_while_updates_stream_in(self):
         stop = threading.Event()

@@ -12,8 +12,8 @@ from shape_msgs.msg import MeshTriangle
 from tf2_msgs.msg import TFMessage
 
 from organ_collision.msg import ContactArray, NearestTriangle
-from organ_collision.srv import (FindNearestTriangle, FindNearestTriangleRequest, GetMesh, UpdateMesh,
-                                 UpdateMeshRequest)
+from organ_collision.srv import (FindNearestTriangle, FindNearestTriangleRequest, FindTrianglesWithin,
+                                 FindTrianglesWithinRequest, GetMesh, UpdateMesh, UpdateMeshRequest)
 
 PATIENCE = 10.0  # [s] for what is done in a fraction of it: a loaded machine is no failure
 TOLERANCE = 1e-12  # [m] rounding of poses and distances of at most a few metres: some hundred ulps of a metre
@@ -311,6 +311,7 @@ class Services:
 
     def __init__(self, node="organ_collision"):
         self._find = self._proxy(node + "/find_nearest_triangle", FindNearestTriangle)
+        self._find_within = self._proxy(node + "/find_triangles_within", FindTrianglesWithin)
         self._update = self._proxy(node + "/update_mesh", UpdateMesh)
         self._get_mesh = self._proxy(node + "/get_mesh", GetMesh)
 
@@ -325,6 +326,11 @@ class Services:
         for field, value in accuracy.items():
             setattr(request.accuracy, field, value)
         return self._find(request)
+
+    def find_within(self, point, radius, frame="liver", organ="liver", **fields):
+        request = FindTrianglesWithinRequest(organ=organ, point=Point(*point), radius=radius, **fields)
+        request.header.frame_id = frame
+        return self._find_within(request)
 
     def update(self, positions=(), frame="liver", triangles=(), **fields):
         request = UpdateMeshRequest(positions=np.ravel(positions).tolist(), **fields)

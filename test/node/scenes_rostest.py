@@ -4,11 +4,11 @@ import unittest
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Point
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
 from rostest_support import PATIENCE, TOLERANCE, Frames, Inbox, ContactsInbox, Pose, Services, coordinates, run
 
 from organ_collision.msg import Contact, MeshInfoArray, ProximityArray
-from organ_collision.srv import FindTrianglesWithin, FindTrianglesWithinRequest
 
 BALL, SHAFT = 0.01, 0.005  # [m] the radii of scenes.test
 AXIS = np.linspace(0, 0.1, 2001)[:, None] * [0, 0, 1]  # [m] points of the shaft's axis, in its frame
@@ -18,12 +18,10 @@ STEP = 0.1 / 2000  # [m] between them: the least distance of them is at most hal
 class Scenes(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        services = Services()
-        cls.liver, cls.gallbladder = services.surface("liver"), services.surface("gallbladder")
+        cls.services = Services()
+        cls.liver, cls.gallbladder = cls.services.surface("liver"), cls.services.surface("gallbladder")
         cls.frames = Frames()
         cls.contacts, cls.proximities = ContactsInbox(), Inbox("organ_collision/proximities", ProximityArray)
-        rospy.wait_for_service("organ_collision/find_triangles_within", PATIENCE)
-        cls.find_within = rospy.ServiceProxy("organ_collision/find_triangles_within", FindTrianglesWithin)
 
     def put(self, **poses):
         """All frames at once; the contacts and the proximities of just these poses."""
@@ -110,17 +108,14 @@ class Scenes(unittest.TestCase):
 
     def test_mesh_info_tells_for_whom_an_organ_was_built(self):
         info = rospy.wait_for_message("organ_collision/mesh_info", MeshInfoArray, PATIENCE)
-        self.assertEqual([mesh.reason for mesh in info.meshes],
-                         ["loaded for ball, shaft, jaw, gallbladder", "loaded for liver"])
-
-    def within(self, **fields):
-        request = FindTrianglesWithinRequest(organ="liver", **fields)
-        request.header.frame_id = "liver"
-        return self.find_within(request)
+        self.assertEqual([(mesh.organ, mesh.reason) for mesh in info.meshes],
+                         [("liver", "loaded for ball, shaft, jaw, gallbladder"), ("gallbladder", "loaded for liver")])
+        for mesh in info.meshes:
+            self.assertTrue(rospy.Time() < mesh.header.stamp <= rospy.Time.now())
 
     def test_triangles_within_a_radius_are_all_of_them_nearest_first(self):
         point = self.liver.vertices[123] * 1.02
-        answer = self.within(point=Point(*point), radius=0.01)
+        answer = self.services.find_within(point, 0.01)
         self.assertTrue(answer.success and answer.complete, answer.message)
         self.assertEqual(answer.mesh_version, 1)
         distances = np.array([type(self.liver)(self.liver.vertices, [corners]).distance(point)
@@ -128,17 +123,39 @@ class Scenes(unittest.TestCase):
         self.assertEqual(set(answer.triangles), set(np.flatnonzero(distances <= 0.01)))
         np.testing.assert_allclose(answer.distances, np.sort(distances)[:len(answer.distances)], rtol=0,
                                    atol=TOLERANCE)
-        some = self.within(point=Point(*point), radius=0.01, max_results=3)
+        some = self.services.find_within(point, 0.01, max_results=3)
         self.assertEqual(some.triangles, answer.triangles[:3])
         self.assertFalse(some.complete)
 
     def test_triangles_within_refuses_what_means_nothing(self):
-        for fields, word in (({"radius": -1.0}, "radius"), ({"radius": float("nan")}, "radius"),
-                             ({"point": Point(0, 0, float("nan")), "radius": 1.0}, "point")):
-            answer = self.within(**fields)
+        origin = (0.0, 0.0, 0.0)
+        for point, radius, word in ((origin, -1.0, "radius"), (origin, np.nan, "radius"),
+                                    ((0.0, 0.0, np.nan), 1.0, "point")):
+            answer = self.services.find_within(point, radius)
             self.assertFalse(answer.success)
             self.assertIn(word, answer.message)
-        self.assertIn("spleen", self.find_within(FindTrianglesWithinRequest(organ="spleen")).message)
+        self.assertIn("spleen", self.services.find_within(origin, 1.0, organ="spleen").message)
+
+    def test_triangles_within_a_radius_of_a_point_in_another_frame_are_the_same(self):
+        point, at = self.liver.vertices[123] * 1.02, Pose((0.02, -0.01, 0.03), (0.1, 0.2, -0.3, 0.9))
+        self.put(ball=at)
+        answer = self.services.find_within(at.back(point), 0.01, frame="ball")
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(set(answer.triangles), set(self.services.find_within(point, 0.01).triangles))
+
+    def test_the_accuracy_that_is_set_is_that_of_proximities_too(self):
+        client, pair = Client("organ_collision", timeout=PATIENCE), ("gallbladder", "liver")
+        exact = self.put()[1][pair]
+        self.assertEqual(exact.upper_bound, exact.lower_bound)
+        self.addCleanup(client.update_configuration, {"max_leaves": 0})
+        client.update_configuration({"max_leaves": 1})
+        rough = self.put()[1][pair]
+        self.assertGreater(rough.upper_bound, rough.lower_bound)
+
+    def test_diagnostics_tell_what_is_wrong_with_proximities(self):
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        self.put()  # once: soon these poses are old
+        diagnostics.wait_for(lambda array: any("shaft to ball: " in status.message for status in array.status))
 
 
 if __name__ == "__main__":

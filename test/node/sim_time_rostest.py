@@ -5,7 +5,7 @@ import time
 import unittest
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Clock
 from rostest_support import ContactsInbox, Frames, Inbox, KeepMoving, Pose, Services, run, wait_until
 
@@ -55,6 +55,7 @@ class SimTime(unittest.TestCase):
     def setUpClass(cls):
         cls.contacts = ContactsInbox()
         cls.before_any_clock = cls.contacts.collect(HEARTBEATS)
+        cls.diagnosed_before_any_clock = Inbox("/diagnostics", DiagnosticArray).wait_for()
         cls.clock = SimulatorClock()
         wait_until(lambda: rospy.get_time() >= START, "the clock")
         cls.frames = Frames()
@@ -80,6 +81,11 @@ class SimTime(unittest.TestCase):
     def test_without_a_clock_there_is_no_pose_and_contacts_say_so(self):
         for array in self.before_any_clock:
             self.assertEqual({contact.status for contact in array.contacts}, {Contact.NO_POSE})
+
+    def test_diagnostics_warn_of_a_clock_that_stands_at_zero(self):
+        status, = self.diagnosed_before_any_clock.status
+        self.assertEqual(status.level, DiagnosticStatus.WARN)
+        self.assertIn("/clock stands at 0", status.message)
 
     def test_the_node_goes_on_within_a_second_when_time_jumps_back(self):
         for now in (START / 2, 1.0):  # a bag that loops, a simulation that starts anew

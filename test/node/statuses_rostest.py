@@ -11,6 +11,7 @@ from organ_collision.msg import Contact
 
 STALE_AFTER = 0.1  # [s] the default
 MAX_DISTANCE = 0.05  # [m] of the node near
+HEARTBEAT = 0.1  # [s]
 RECOVERY = 1.0  # [s] from the first new pose to the first new answer, at most
 
 
@@ -129,6 +130,11 @@ class Statuses(unittest.TestCase):
                 self.frames.put(("liver", "other", Pose()))
                 time.sleep(0.0005)
         slow.wait_for(lambda array: all(contact_of(array, tip).status != Contact.NO_POSE for tip in tips))
+
+    def test_a_low_rate_leaves_the_heartbeat_as_it_is(self):
+        slow, start = ContactsInbox("slow"), time.monotonic()
+        slow.collect(10)
+        self.assertLess(time.monotonic() - start, 25 * HEARTBEAT)
 
 
 if __name__ == "__main__":
