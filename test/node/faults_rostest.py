@@ -304,6 +304,22 @@ class Faults(unittest.TestCase):
 
                 wait_until(lambda: self.master.next("contacts/contacts[0]/status") == "0", "the tip's pose")
 
+    def test_after_the_masters_return_the_node_still_hears_who_published_before(self):
+        moving = TIP.replace("{frame_id", "{stamp: now, frame_id")
+        with contextlib.ExitStack() as stack:
+            with self.master.up():
+                self.master.set_scene(SCENE)
+                stack.enter_context(self.master.node())
+                wait_until(self.master.is_up, "the node")
+                stack.enter_context(running(
+                    "rostopic", "pub", "-s", "-r", "50", "/tf", "tf2_msgs/TFMessage", f"transforms: [{moving}]",
+                    env=self.master.environment, stdout=subprocess.DEVNULL))
+                wait_until(lambda: self.master.next("contacts/contacts[0]/status") == "0", "the tip's pose")
+            with self.master.up():
+                wait_until(self.master.is_up, "the master to know the node again")
+                last = self.master.next("contacts/contacts[0]/stamp/nsecs")
+                wait_until(lambda: self.master.next("contacts/contacts[0]/stamp/nsecs") != last, "a new pose")
+
 
 if __name__ == "__main__":
     run(Faults)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The node under ten clients that call as fast as they can, a stream of updates, and a subscriber that does not read.
 Lasts LOAD_SECONDS (environment; default 20)."""
+import functools
 import os
 import subprocess
 import time
@@ -12,6 +13,7 @@ import rospy
 from rostest_support import Frames, Inbox, Pose, Services, run, wait_until
 
 from organ_collision.msg import ContactArray, MeshInfoArray, MeshUpdate
+from organ_collision.srv import UpdateMeshRequest
 
 SECONDS = float(os.environ.get("LOAD_SECONDS", 20.0))
 CLIENTS = 10
@@ -22,6 +24,7 @@ STREAM_RATE = 200  # [1/s]
 LONGEST_SILENCE = 1.0  # [s] between two contacts, ten times that of the heartbeat
 LONGEST_ANSWER = 5.0  # [s] with ten clients, the node and the stream on two processors
 CUT_OFF = 1e-3  # of the calls: roscpp now and then closes a connection too early (ros_comm issue 1976)
+CHANGES = 50  # of an organ of some MB
 GROWTH = 20e6  # [bytes] of memory: so much varies what its threads keep of large batches
 
 
@@ -49,7 +52,8 @@ class Load(unittest.TestCase):
         Frames().fix(("liver", "fixed_tip", Pose((0.0, 0.0, 0.2))))
         cls.services = Services()
         cls.pid = xmlrpc.client.ServerProxy(rospy.get_master().lookupNode("/organ_collision")[2]).getPid("/load")[2]
-        cls.vertices = cls.services.surface().vertices
+        cls.surface = cls.services.surface()
+        cls.vertices = cls.surface.vertices
         cls.infos = Inbox("organ_collision/mesh_info", MeshInfoArray)
         cls.stream = rospy.Publisher("organ_collision/mesh_update", MeshUpdate, queue_size=10, tcp_nodelay=True)
         wait_until(lambda: cls.stream.get_num_connections() == 1, "the node to hear mesh updates")
@@ -68,7 +72,7 @@ class Load(unittest.TestCase):
     def info(cls):
         """Of the mesh now."""
         cls.infos.forget()
-        cls.services.update(mode=2)
+        cls.services.update(mode=UpdateMeshRequest.REBUILD)
         return cls.infos.wait_for().meshes[0]
 
     def wait_for_account(self, start, sent):
@@ -125,6 +129,22 @@ class Load(unittest.TestCase):
         self.assertLessEqual(cut_off, CUT_OFF * sum(calls))
         self.assertTrue(0.0 < silences.longest < LONGEST_SILENCE, silences.longest)
         self.assertLess(quarters[3] - quarters[1], GROWTH)
+
+    def growth(self, change):
+        """[bytes] of memory by many of the same change, after some."""
+        for i in range(10 + CHANGES):
+            if i == 10:
+                start = resident_memory(self.pid)
+            answer = change()
+            self.assertTrue(answer.success, answer.message)
+        return resident_memory(self.pid) - start
+
+    def test_neither_new_topologies_nor_rebuilds_let_memory_grow(self):
+        changes = {"rebuild": {"mode": UpdateMeshRequest.REBUILD},
+                   "topology": {"positions": self.vertices, "triangles": self.surface.triangles}}
+        for name, fields in changes.items():
+            with self.subTest(name):
+                self.assertLess(self.growth(functools.partial(self.services.update, **fields)), GROWTH)
 
     def test_what_is_lost_on_the_way_is_counted(self):
         start = self.info()

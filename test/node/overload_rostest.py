@@ -14,7 +14,7 @@ RATE = 400.0  # [1/s] of poses: a hundred that wait would be stale
 class Overload(unittest.TestCase):
     def test_contacts_come_more_seldom_but_not_late(self):
         frames, contacts = Frames(), ContactsInbox()
-        tips = ("moving_tip", "hull", "other", "third")
+        tips = ("moving_tip", "hull", "other", "third", "fourth", "fifth")
         poses = [("liver", tip, Pose([0.1 * i, 0.02, 0.2])) for i, tip in enumerate(tips)]
         with KeepMoving(frames, *poses, rate=RATE):
             time.sleep(SECONDS)
@@ -23,7 +23,7 @@ class Overload(unittest.TestCase):
             self.skipTest("this machine answers them all")
         later = told[len(told) // 2:]
         stale = sum(contact.status != Contact.OK for contact in later)
-        self.assertLess(stale, len(later) / 2)
+        self.assertLess(stale, 0.75 * len(later), "nearly half are older than 0.1 s if poses are left out after 0.2 s")
 
 
 if __name__ == "__main__":
