@@ -14,7 +14,7 @@ struct MeshMotion {
   /// each, also where rounding would take a step from it.
   double travel = 0.0;
 
-  /// [m] At least how far a vertex has moved since `before`, of the same build.
+  /// [m] No vertex has moved farther since `before`, of the same build.
   double since(const MeshMotion& before) const {
     constexpr double kRoundoff = 0x1p-53;
     return travel == before.travel ? 0.0 : travel - before.travel + 4 * kRoundoff * travel;
