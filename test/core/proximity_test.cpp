@@ -182,8 +182,7 @@ TEST(Proximity, OfRoundShapesIsTheExactDistanceOfTheirCoresLessTheRadii) {
 
 TEST(Proximity, OfACoreThatCrossesAMeshHasTheNormalFromPointToPoint) {
   std::mt19937 generator(83);
-  std::size_t crossing = 0;
-  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+  for (std::size_t crossing = 0; crossing < queryCount(100);) {
     const Shape first = randomShape(generator);
     const Shape second = randomShape(generator);
     if (!roundShape(first) || roundShape(second)) continue;
@@ -193,7 +192,6 @@ TEST(Proximity, OfACoreThatCrossesAMeshHasTheNormalFromPointToPoint) {
     const Vector3d way = found.point_on_second - found.point_on_first;
     ASSERT_LE((way - found.distance * found.normal).norm(), kTolerance);
   }
-  EXPECT_GT(crossing, 0U);
 }
 
 TEST(Proximity, SwappedSwapsThePointsAndTurnsTheNormal) {
