@@ -41,12 +41,6 @@ bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
   return entry != event.getConnectionHeader().end() && entry->second == "1";
 }
 
-/// Wakes who waits for a queue.
-class Wake : public ros::CallbackInterface {
- public:
-  CallResult call() override { return Success; }
-};
-
 OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
   OrganCollisionConfig config;
   config.max_relative_error = accuracy.max_relative_error;
@@ -287,7 +281,6 @@ void CollisionNode::publishMeshInfo() {
       array.meshes.back().reason += " for " + partnersOfOrgan(scene_, i);
   }
   mesh_info_publisher_.publish(array);
-  tf_queue_.addCallback(boost::make_shared<Wake>());  // run() tells contacts with what has changed
 }
 
 void CollisionNode::publishMarkers() {

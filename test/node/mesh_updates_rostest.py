@@ -2,7 +2,6 @@
 """The organ deforms, by service and by stream, while contacts and questions go on."""
 import math
 import threading
-import time
 import unittest
 
 import numpy as np
@@ -17,7 +16,6 @@ from organ_collision.srv import UpdateMesh, UpdateMeshRequest
 AUTO, REFIT, REBUILD = UpdateMeshRequest.AUTO, UpdateMeshRequest.REFIT, UpdateMeshRequest.REBUILD
 REFITS = (MeshInfo.REFIT, MeshInfo.PARTIAL_REFIT)
 TIP = np.array([0.02, 0.01, 0.12])  # [m] in the organ's frame
-HEARTBEAT = 0.1  # [s] contacts of a still scene come so seldom
 STREAM_RATE = 60  # [Hz]
 BURST_RATE = 1e6  # [Hz] as fast as Python can
 
@@ -358,13 +356,6 @@ class MeshUpdates(unittest.TestCase):
 
     def test_a_burst_of_whole_updates_leads_to_its_last_state(self):
         self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(20)], BURST_RATE)
-
-    def test_contacts_of_a_still_tip_follow_each_update_at_once(self):
-        start = time.monotonic()
-        for i in range(1, 21):
-            self.send(self.loaded.vertices[:1] + [0.0, 0.0, 1e-5 * i], indices=[0])
-            self.contacts.contact("fixed", lambda contact: contact.mesh_version == self.version + i)
-        self.assertLess(time.monotonic() - start, 10 * HEARTBEAT)
 
     def test_contacts_go_on_while_updates_stream_in(self):
         stop = threading.Event()
