@@ -205,14 +205,6 @@ void Organ::applyMoves(VertexMoves moves, const std::string& origin) {
   next->last_duration = watch.elapsed();
   log_.record(next->version, std::move(vertices));
   snapshots_.publish(std::move(next));
-  if (now == as_built_) refitAsBuilt();
-}
-
-/// Where nothing has moved: refits draw boxes less closely than builds do, which is no wear.
-void Organ::refitAsBuilt() {
-  auto refitted = std::make_shared<OrganSnapshot>(*as_built_);
-  alone_.execute([&] { refitted->organ.refit(as_built_->organ.mesh().positions()); });
-  as_built_ = std::move(refitted);
 }
 
 /// Takes `state`, of whatever version, to the latest positions and from there by `moves`.
@@ -249,10 +241,20 @@ void Organ::account(const core::NearestTriangle& answer, const core::Accuracy& a
   if (questions_.add({answer.tip_point, accuracy})) signal_->raise();
 }
 
+/// Once, where it was: refits draw boxes less closely than builds do, which is no wear.
+void Organ::refitAsBuilt() {
+  if (as_built_->last_action == Action::kRefit) return;
+  auto refitted = std::make_shared<OrganSnapshot>(*as_built_);
+  alone_.execute([&] { refitted->organ.refit(as_built_->organ.mesh().positions()); });
+  refitted->last_action = Action::kRefit;
+  as_built_ = std::move(refitted);
+}
+
 void Organ::rebuildIfDue() {
   const std::optional<RecentQuestions::Asked> asked = questions_.take();
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
   if (!asked || now->version == as_built_->version) return;
+  refitAsBuilt();
   const std::optional<Wear> wear = measureWear(asked->sample, now->organ, as_built_->organ);
   if (!wear) return;
   cost_ratio_ = wear->work_ratio;

@@ -110,9 +110,9 @@ class Organ {
   VertexMoves takePendingWith(VertexMoves moves);
   bool applyPending();
   void applyMoves(VertexMoves moves, const std::string& origin);
-  void refitAsBuilt();
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
+  void refitAsBuilt();
   void rebuildIfDue();
   void startRebuild(const std::string& reason);
   bool finishRebuild();
@@ -137,7 +137,7 @@ class Organ {
   RefitPolicy refit_policy_;
   RebuildPolicy rebuild_policy_;
   std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits, or,
-                                                   // once vertices have moved, that one refitted
+                                                   // once wear was measured, that one refitted
   std::shared_ptr<Rebuild> rebuild_;               // under way, or ready
   std::uint64_t rebuilds_asked_ = 0;
   std::uint64_t rebuilds_served_ = 0;  // of those asked for, in order

@@ -58,21 +58,19 @@ std::string quietest(const tf2::BufferCore& buffer, const std::string& one,
 bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   const FrameLookup first = lookUpFrame(buffer, frames_.second, frames_.first);
   reason_ = first.reason;
-  if (!first.pose && isKnown()) return false;
-  bool moved = false;
-  if (first.pose) {
-    // What is static has no stamp to tell by.
-    moved =
-        !second_from_first_ || second_from_first_->stamp != first.pose->stamp ||
-        second_from_first_->target_from_source.matrix() != first.pose->target_from_source.matrix();
-    second_from_first_ = first.pose;
-  }
-  const ros::Time stamp = first.pose ? first.pose->stamp : ros::Time();
+  if (!first.pose) return false;
+  // What is static has no stamp to tell by.
+  const bool moved =
+      !second_from_first_ || second_from_first_->stamp != first.pose->stamp ||
+      second_from_first_->target_from_source.matrix() != first.pose->target_from_source.matrix();
+  second_from_first_ = first.pose;
+  const ros::Time& stamp = first.pose->stamp;
   FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second, stamp);
+  // A pose that was told before stays where it was told, also when tf forgets that time.
   if (!scene.pose && isKnown() && !moved && !stamp.isZero()) return false;
   if (!scene.pose) scene = lookUpFrame(buffer, frames_.scene, frames_.second);
   if (scene.pose) scene_from_second_ = scene.pose;
-  if (reason_.empty()) reason_ = scene.reason;
+  reason_ = scene.reason;
   return moved;
 }
 

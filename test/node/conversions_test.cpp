@@ -17,6 +17,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 std::vector<double> coordinates(const geometry_msgs::Point& point) {
   return {point.x, point.y, point.z};
@@ -84,16 +85,6 @@ TEST(Conversions, OfAnAccuracyRefuseWhatIsNone) {
   EXPECT_THROW(fromMessage(accuracy), std::invalid_argument);
 }
 
-template <class Message>
-std::string refusalOf(const Message& message) {
-  try {
-    movesFrom(message);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Conversions, OfMovesKeepEachVertexBesideItsPosition) {
   MeshUpdate update;
   update.indices = {5, 2};
@@ -106,13 +97,15 @@ TEST(Conversions, OfMovesKeepEachVertexBesideItsPosition) {
 TEST(Conversions, OfMovesRefuseHalfAVertex) {
   MeshUpdate update;
   update.positions = {1, 2, 3, 4};
-  EXPECT_THAT(refusalOf(update), HasSubstr("positions holds 4 numbers"));
+  EXPECT_THAT([&] { movesFrom(update); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("positions holds 4 numbers")));
 }
 
 TEST(Conversions, OfMovesRefuseIndicesWithoutPositions) {
   UpdateMesh::Request request;
   request.indices = {1, 2};
-  EXPECT_THAT(refusalOf(request), HasSubstr("2 indices given without positions"));
+  EXPECT_THAT([&] { movesFrom(request); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("2 indices given without positions")));
 }
 
 TEST(Conversions, OfAMeshThereAndBackChangeNothing) {
