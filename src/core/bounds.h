@@ -53,8 +53,10 @@ inline Real roundingOf(Real tip_reach, float radius) {
 
 /// The gaps between lanes' boxes and a box, axis by axis, as one distance.
 template <class Real>
-inline Lanes<Real> squaredDistanceOf(const LaneVector<Real>& low, const LaneVector<Real>& high,
-                                     const Vector<Real>& tip_low, const Vector<Real>& tip_high) {
+[[gnu::always_inline]] inline Lanes<Real> squaredDistanceOf(const LaneVector<Real>& low,
+                                                            const LaneVector<Real>& high,
+                                                            const Vector<Real>& tip_low,
+                                                            const Vector<Real>& tip_high) {
   const Lanes<Real> none{};
   const auto gap = [&none](const Lanes<Real>& lows, const Lanes<Real>& highs, Real from, Real to) {
     return larger(larger(lows - Lanes<Real>::all(to), Lanes<Real>::all(from) - highs), none);

@@ -128,14 +128,6 @@ struct Lanes {
     return result;
   }
   void store(Real* values) const { __builtin_memcpy(values, part, sizeof(part)); }
-  /// To where eight are aligned like a vector.
-  void storeRounded(std::array<float, kLanes>& values) const {
-    for (int i = 0; i < kParts; ++i) {
-      using Stored __attribute__((vector_size(kPartLanes * sizeof(float)))) = float;
-      *reinterpret_cast<Stored*>(values.data() + std::ptrdiff_t{i} * kPartLanes) =
-          __builtin_convertvector(part[i], Stored);
-    }
-  }
   Real operator[](std::uint32_t lane) const { return part[lane / kPartLanes][lane % kPartLanes]; }
 };
 

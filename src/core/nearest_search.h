@@ -62,8 +62,8 @@ inline NearestTriangle unsignedAnswer(const CollisionMesh& organ, FarthestPairTr
           work};
 }
 
-/// Room for what waits while a tree of that depth is searched; the calling thread's.
-WaitingLanes* scratch(std::size_t depth);
+/// Room for what waits while a tree is searched; the calling thread's.
+FrontierRoom roomFor(const WideTree& tree);
 
 /// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
 constexpr double kBeyond = 0x1p400;
@@ -123,7 +123,7 @@ class NearestSearch : protected Search {
 
  protected:
   void walk() {
-    stack = scratch(organ_.wideTree().depth());
+    room = roomFor(organ_.wideTree());
     kernels().walk(*this);
   }
 

@@ -11,10 +11,22 @@
 
 namespace organ_collision::core {
 
-WaitingLanes* scratch(std::size_t depth) {
-  thread_local std::vector<WaitingLanes> room;
-  if (room.size() < depth) room.resize(depth);
-  return room.data();
+FrontierRoom roomFor(const WideTree& tree) {
+  struct Room {
+    std::vector<PassedNode> passed;
+    std::vector<std::uint32_t> nodes, packets;
+    std::vector<float> squares;
+  };
+  thread_local Room room;
+  const std::size_t node_count = tree.nodes().size() + kLaneCount;
+  const std::size_t packet_count = tree.packets().size() + kLaneCount;
+  if (room.passed.size() < tree.depth()) room.passed.resize(tree.depth());
+  if (room.nodes.size() < node_count) room.nodes.resize(node_count);
+  if (room.packets.size() < packet_count) {
+    room.packets.resize(packet_count);
+    room.squares.resize(packet_count);
+  }
+  return {room.passed.data(), room.nodes.data(), room.packets.data(), room.squares.data()};
 }
 
 void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest) {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/frontier.h"
 #include "core/pair_search.h"
-#include "core/waiting.h"
 
 // What a walk through two trees has before it on each side.
 namespace organ_collision::core {

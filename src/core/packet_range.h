@@ -36,16 +36,16 @@ inline Lanes<Real> squaredDistanceToSegment(const LaneVector<Real>& start,
   return dot(nearest, nearest);
 }
 
-/// Between which distances a tip's distances to the triangles of a packet lie, but for
+/// Between which distances, squared, a tip's distances to the triangles of a packet lie, but for
 /// roundingOf().
 template <class Real>
-struct Range {
+struct SquaredRange {
   Lanes<Real> low, high;
 };
 
 template <class Real>
-inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Real>& point,
-                                   Real farthest) {
+inline SquaredRange<Real> squaredDistanceOfPoint(const TrianglePacket& packet,
+                                                 const Vector<Real>& point, Real farthest) {
   const auto [corner, ab, ac] = trianglesOf<Real>(packet);
   const LaneVector<Real> a = corner - everywhere(point);
   const LaneVector<Real> bc = ac - ab;
@@ -54,13 +54,13 @@ inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Re
   const Lanes<Real> acac = dot(ac, ac);
   const Lanes<Real> aab = dot(a, ab);
   const Lanes<Real> aac = dot(a, ac);
-  const Lanes<Real> to_edges =
-      root(smaller(smaller(squaredDistanceToSegment(a, ab, aab, abab),
-                           squaredDistanceToSegment(a, ac, aac, acac)),
-                   squaredDistanceToSegment(b, bc, dot(b, bc), dot(bc, bc))));
+  const Lanes<Real> to_edges = smaller(smaller(squaredDistanceToSegment(a, ab, aab, abab),
+                                               squaredDistanceToSegment(a, ac, aac, acac)),
+                                       squaredDistanceToSegment(b, bc, dot(b, bc), dot(bc, bc)));
 
   // Where the point's projection lies in the face, the distance to its plane counts; where it may
-  // or may not, either. What cancels in products of edges is 8*u times their lengths.
+  // or may not, either. What cancels in products of edges is 8*u times their lengths, and of the
+  // normal's square, as that is at most half as long as they are, 9*u times their squares.
   const Lanes<Real> abac = dot(ab, ac);
   const LaneVector<Real> normal = cross(ab, ac);
   const Lanes<Real> squared_normal = dot(normal, normal);
@@ -73,12 +73,16 @@ inline Range<Real> distanceOfPoint(const TrianglePacket& packet, const Vector<Re
   const Lanes<Real> none{};
   const Lanes<Real> least_weight = smaller(smaller(s, t), squared_normal - (s + t));
   const Lanes<Real> height = magnitudeOf(dot(a, normal));
-  const Lanes<Real> length = root(squared_normal);
   const Lanes<Real> height_doubt = doubt * reach;
-  const Lanes<Real> to_plane = larger((height - height_doubt) / (length + doubt), none);
-  const Lanes<Real> perhaps_to_plane = (height + height_doubt) / (length - doubt);
+  const Lanes<Real> square_doubt = Lanes<Real>::all(9 * kRoundoff<Real>) * edges * edges;
+  const Lanes<Real> low = larger(height - height_doubt, none);
+  const Lanes<Real> high = height + height_doubt;
+  // The quotients first: squares of heights underflow.
+  const Lanes<Real> to_plane = larger(low / (squared_normal + square_doubt) * low, none);
+  const Lanes<Real> perhaps_to_plane = high / (squared_normal - square_doubt) * high;
   const Truth<Real> perhaps_inside = none <= least_weight + weight_doubt;
-  const Truth<Real> surely_inside = (weight_doubt <= least_weight) & (doubt + doubt <= length);
+  const Truth<Real> surely_inside =
+      (weight_doubt <= least_weight) & (Lanes<Real>::all(4) * square_doubt <= squared_normal);
   return {select(perhaps_inside, smaller(to_plane, to_edges), to_edges),
           select(surely_inside, smaller(perhaps_to_plane, to_edges), to_edges)};
 }

@@ -1,12 +1,12 @@
 #pragma once
 
 #include "core/bounds.h"
+#include "core/frontier.h"
 #include "core/gap.h"
 #include "core/lane_boxes.h"
 #include "core/open_set.h"
 #include "core/pair_candidates.h"
 #include "core/pair_search.h"
-#include "core/waiting.h"
 
 // The walk through two trees at once, for whichever vector unit includes it.
 //

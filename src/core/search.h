@@ -14,11 +14,18 @@ constexpr double kFar = 8.0;
 constexpr VertexId kNoVertex{~0U};
 constexpr std::uint32_t kNoLeaf = ~0U;
 
-/// What waits of a node that was opened: one set that comes next, and perhaps more.
-struct alignas(64) WaitingLanes {
-  std::array<std::int32_t, kLaneCount> keys;  ///< see keysOf(); -1: no more waits in the lane
+/// A node on the way down to the first packet, and what it holds besides.
+struct alignas(32) PassedNode {
+  LaneFloats squares;  ///< of the lanes' bounds; infinite where it went on
   const WideNode* node;
-  std::uint32_t next_key, next_set;
+};
+
+/// Room for the sets that wait while a tree is searched: as many as it has, and kLaneCount more.
+struct FrontierRoom {
+  PassedNode* passed;  ///< one to a level
+  std::uint32_t* nodes;
+  std::uint32_t* packets;
+  float* squares;  ///< of the packets' bounds
 };
 
 /// The packets that may hold what is nearest to a tip while it moves. Bounds are kept as they were
@@ -49,7 +56,8 @@ struct Search {
   double farthest = 0.0;      ///< of the corners' coordinates, the largest magnitude
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
-  WaitingLanes* stack;      ///< room for one to a level
+  FrontierRoom room;
+  bool dives = true;        ///< to find something near first, as nothing is known that is
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its

@@ -1,19 +1,27 @@
 #pragma once
 
 #include "core/bounds.h"
+#include "core/frontier.h"
 #include "core/gap.h"
 #include "core/packet_range.h"
 #include "core/search.h"
-#include "core/waiting.h"
 
 // The walk itself, for whichever vector unit includes it.
 namespace organ_collision::core {
 namespace {
 
+/// Brings what will be read soon closer.
+template <class Item>
+inline void fetch(const Item& item) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t i = 0; i < sizeof(item); i += kLine)
+    __builtin_prefetch(reinterpret_cast<const char*>(&item) + i);
+}
+
 /// Triangles of a packet that may be nearest, by lanes.
 template <class Real>
 struct CandidateLanes {
-  Lanes<Real> bounds;  ///< infinite for the others
+  Lanes<Real> squares;  ///< of their bounds, but for rounding; infinite for the others
   std::uint32_t first_leaf;
 };
 
@@ -21,7 +29,10 @@ struct CandidateLanes {
 template <class Real, std::uint32_t kCorners>
 class Walk {
  public:
-  explicit Walk(Search& search) : search_(search) {
+  explicit Walk(Search& search)
+      : search_(search),
+        share_(search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
+        allowance_(Real{inFloat(search.allowance)}) {
     Real reach = 0;
     for (std::uint32_t i = 0; i < kCorners; ++i) {
       const std::array<double, 3>& corner = search.corners[i];
@@ -41,16 +52,16 @@ class Walk {
 
   void run() {
     constexpr std::uint32_t kRoot = 0;
-    Stack stack(search_.stack);
-    for (std::uint32_t set = kRoot; set != kNoSet;
-         set = stack.take(search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity},
-                          boxes_left_out_)) {
-      while ((set & kPacketBit) == 0) set = open(search_.nodes[set], stack);
-      if (set == kNoSet) continue;
-      const std::uint32_t packet = set & ~kPacketBit;
-      note(packet,
-           isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]));
+    Frontier frontier(search_.room);
+    if (search_.dives) {
+      for (const PassedNode* node = dive(kRoot); node-- != search_.room.passed;) {
+        put(*node->node, Lanes<Real>::load(node->squares.data()), frontier);
+        if (search_.sparing) lookAll(frontier);  // few leaves are for what is beside the first
+      }
+    } else {
+      frontier.addNode(kRoot);
     }
+    lookAll(frontier);
     if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
     finish();
   }
@@ -80,6 +91,9 @@ class Walk {
  private:
   static constexpr bool kIsPoint = kCorners == 1;
 
+  /// Boxes are turned by axes that are shorter than 1, by less.
+  static constexpr float kAxesShorter = 0x1p-18F;
+
   /// What was left out because it was farther than the best of its time is farther than the last.
   bool isExact() const {
     return search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
@@ -93,7 +107,7 @@ class Walk {
 
   void finish() {
     measureCandidates();
-    if (!isExact()) leaveOut(leastOf(left_out_));
+    if (!isExact()) leaveOut(leastOf(boundsOf(left_out_)));
     if (isExact() || search_.unopened >= search_.best) search_.unopened = kInfinity;
   }
 
@@ -128,31 +142,44 @@ class Walk {
   void lookAgain(std::uint32_t i, float reach, float nearest) {
     Followed& followed = *search_.followed;
     const TrianglePacket& packet = search_.packets[followed.packets[i]];
-    LaneFloats& lanes = followed.lanes[i];
-    const std::uint32_t nearest_lane = followed.nearest - packet.first_leaf;
-    if (nearest_lane < packet.lane_count) lanes[nearest_lane] = kFloatInfinity;
-    const float tied = kept(static_cast<Real>(search_.best));
-    const Lanes<float> bounds = Lanes<float>::load(lanes.data());
-    const Truth<float> within = lanesInUse<float>(packet) & (bounds <= Lanes<float>::all(reach));
+    const Lanes<float> nearest_lane =
+        Lanes<float>::all(static_cast<float>(followed.nearest - packet.first_leaf));
+    const Truth<float> used = lanesInUse<float>(packet);
+    const Truth<float> is_nearest = used & (Lanes<float>::numbers() <= nearest_lane) &
+                                    (nearest_lane <= Lanes<float>::numbers());
+    Lanes<float> bounds = Lanes<float>::load(followed.lanes[i].data());
+    const Truth<float> within = used & !is_nearest & (bounds <= Lanes<float>::all(reach));
     const Truth<float> surely_tied =
         Lanes<float>::all(drift_of_ties_) <= Lanes<float>::load(followed.tied_until[i].data());
-    select(within & surely_tied, Lanes<float>::all(tied), bounds).store(lanes.data());
-    std::uint32_t rest = (within & !surely_tied).bits();
-    for (; rest != 0; rest &= rest - 1) {
-      const std::uint32_t lane = lowestBit(rest);
+    const float tied = kept(static_cast<Real>(search_.best));
+    bounds = select(within & surely_tied, Lanes<float>::all(tied), bounds);
+    const std::uint32_t in_doubt = (within & !surely_tied).bits();
+    if (in_doubt != 0) {
+      if (areTied(in_doubt, i, packet)) {
+        bounds = select(within, Lanes<float>::all(tied), bounds);
+      } else {
+        bounds = kept(boundsOf(scan(packet)));
+      }
+    }
+    bounds = select(is_nearest, Lanes<float>::all(nearest), bounds);
+    bounds.store(followed.lanes[i].data());
+    followed.bounds[i] = leastOf(bounds);
+  }
+
+  /// Whether these lanes of a packet, by bits, tie at the nearest vertex; keeps until when.
+  bool areTied(std::uint32_t lanes, std::uint32_t i, const TrianglePacket& packet) {
+    Followed& followed = *search_.followed;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const std::uint32_t lane = lowestBit(lanes);
       const double room = search_.roomOfTie(search_, packet.first_leaf + lane);
-      if (room < 0.0) break;
-      lanes[lane] = tied;
+      if (room < 0.0) return false;
       followed.tied_until[i][lane] = static_cast<float>((followed.drift + room) * (1 - kKept));
     }
-    if (rest != 0) kept(scan(packet)).storeRounded(lanes);
-    if (nearest_lane < packet.lane_count) lanes[nearest_lane] = nearest;
-    followed.bounds[i] = leastOf(Lanes<float>::load(lanes.data()));
+    return true;
   }
 
   /// To follow a packet whose triangles are not nearer than `bounds`.
   void note(std::uint32_t packet, const Lanes<Real>& bounds) {
-    if (search_.followed == nullptr) return;
     Followed& followed = *search_.followed;
     if (followed.count == Followed::kMost) {
       const Real least = leastOf(bounds);
@@ -161,16 +188,30 @@ class Walk {
     }
     const std::uint32_t i = followed.count++;
     followed.packets[i] = packet;
-    kept(bounds).storeRounded(followed.lanes[i]);
+    const Lanes<float> kept_bounds = inFloats(kept(bounds));
+    kept_bounds.store(followed.lanes[i].data());
     Lanes<float>::all(kNotTied).store(followed.tied_until[i].data());
-    followed.bounds[i] = leastOf(Lanes<float>::load(followed.lanes[i].data()));
+    followed.bounds[i] = leastOf(kept_bounds);
   }
 
-  void look() {
-    reach_ = static_cast<Real>(allowedReach(search_.best, search_.share, search_.allowance));
-    const Real box_reach = reach_ + static_cast<Real>(search_.slack) + box_rounding_;
-    squared_reach_ =
-        box_reach > 0 ? box_reach * box_reach * (1 + 16 * kRoundoff<Real>) : Real{-1};  // no box
+  void look() { look(static_cast<Real>(search_.best)); }
+  void look(Real best) {
+    const Real less = best - allowance_;
+    const Real shared = best * share_;
+    reach_ = less < shared ? less : shared;
+    squared_reach_ = squaredReachOf(reach_);
+  }
+
+  /// Of boxes whose sets matter within that reach.
+  Real squaredReachOf(Real reach) const {
+    return squareOf(reach + static_cast<Real>(search_.slack) + box_rounding_);
+  }
+  /// Nothing computed that is not beyond a reach has a larger square; below zero nothing is.
+  static Real squareOf(Real reach) {
+    return reach > 0 ? reach * reach * (1 + 16 * kRoundoff<Real>) : Real{-1};
+  }
+  Real squaredReach() const {
+    return search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
   }
 
   void leaveOut(double bound) {
@@ -198,63 +239,175 @@ class Walk {
     return farthest;
   }
 
+  /// A node's boxes and the tip's.
+  struct SeenBoxes {
+    LaneVector<Real> low, high;
+    Vector<Real> tip_low, tip_high;
+  };
+  SeenBoxes boxesSeenIn(const WideNode& node) {
+    search_.bounds += node.lane_count;
+    SeenBoxes seen = {load<Real>(node.low), load<Real>(node.high), {}, {}};
+    tipBox(
+        node.origin, [&node](const Vector<Real>& v) { return turned(node, v); }, seen.tip_low,
+        seen.tip_high);
+    return seen;
+  }
+
   /// The boxes' squared distances, but for box_rounding_.
-  Lanes<Real> squaresOf(const WideNode& node) {
-    const auto turn = [&node](const Vector<Real>& v) { return turned(node, v); };
-    const LaneVector<Real> boxes_low = load<Real>(node.low);
-    const LaneVector<Real> boxes_high = load<Real>(node.high);
-    Vector<Real> low, high;
-    tipBox(node.origin, turn, low, high);
-    const Lanes<Real> squares = squaredDistanceOf(boxes_low, boxes_high, low, high);
+  [[gnu::always_inline]] Lanes<Real> squaresOf(const SeenBoxes& seen, const WideNode& node) const {
+    const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
     if constexpr (kCorners == 2) {
+      const auto end = [&](int i) { return turned(node, relative(tip_[i], node.origin)); };
       const Lanes<Real> gaps =
-          larger(gapToBoxes(turn(relative(tip_[0], node.origin)),
-                            turn(relative(tip_[1], node.origin)), boxes_low, boxes_high) -
-                     Lanes<Real>::all(box_rounding_),
+          larger(gapToBoxes(end(0), end(1), seen.low, seen.high) - Lanes<Real>::all(box_rounding_),
                  Lanes<Real>{});
       return larger(squares, gaps * gaps);
     }
     return squares;
   }
 
-  /// The nearest child that matters, if any; puts the others on the stack.
-  std::uint32_t open(const WideNode& node, Stack& stack) {
-    const Lanes<Real> squares = squaresOf(node);
-    search_.bounds += node.lane_count;
-    const Truth<Real> matter = squares <= Lanes<Real>::all(squared_reach_);
+  /// From about the nearest point of the tip to the middle of each box.
+  LaneVector<Real> wayToMiddles(const SeenBoxes& seen, const WideNode& node) const {
+    const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
+    const LaneVector<Real> middles = half * (seen.low + seen.high);
+    if constexpr (kIsPoint) return middles - everywhere(seen.tip_low);
+    constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
+    Lanes<Real> least = kNone;
+    LaneVector<Real> shortest = {};
+    for (std::uint32_t i = 0; i < kEdges; ++i) {
+      const Vector<Real> start = turned(node, relative(tip_[i], node.origin));
+      const Vector<Real> end = turned(node, relative(tip_[(i + 1) % kCorners], node.origin));
+      const LaneVector<Real> edge = everywhere(end - start);
+      const LaneVector<Real> from_start = middles - everywhere(start);
+      const LaneVector<Real> way =
+          from_start - clampedTo1(dot(from_start, edge) / dot(edge, edge)) * edge;
+      const Truth<Real> is_shorter = dot(way, way) <= least;
+      least = select(is_shorter, dot(way, way), least);
+      shortest = select(is_shorter, way, shortest);
+    }
+    return shortest;
+  }
+
+  /// What is in the box of some lane is nowhere farther than this, but for box_rounding_.
+  Real farthestInNearest(const SeenBoxes& seen, const WideNode& node) const {
+    const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
+    const LaneVector<Real> way =
+        magnitudesOf(wayToMiddles(seen, node)) + half * (seen.high - seen.low);
+    return rootOf(leastOf(dot(way, way))) * (1 + Real{kAxesShorter});
+  }
+
+  /// Goes down to a packet that is as near as can be told on the way, so that of the rest little
+  /// matters. Returns the end of what was passed by.
+  const PassedNode* dive(std::uint32_t set) {
+    // Many boxes may hold the tip: of those the middles tell.
+    const Lanes<Real> weight = Lanes<Real>::all(Real{0x1p-3});
+    const WideNode* const nodes = search_.nodes;
+    PassedNode* passed = search_.room.passed;
+    while ((set & kPacketBit) == 0) {
+      const WideNode& node = nodes[set];
+      const SeenBoxes seen = boxesSeenIn(node);
+      const Lanes<Real> squares = squaresOf(seen, node);
+      const LaneVector<Real> way = wayToMiddles(seen, node);
+      const std::uint32_t lane =
+          laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
+      inFloats(squares).store(passed->squares.data());
+      passed->squares[lane] = kFloatInfinity;
+      passed->node = &node;
+      ++passed;
+      set = setIn(node, lane);
+    }
+    lookAt(set & ~kPacketBit);
+    decide();
+    return passed;
+  }
+
+  /// Looks at all that waits.
+  void lookAll(Frontier& frontier) {
+    openAll(frontier);
+    scanAll(frontier);
+  }
+
+  /// Level by level: nodes of one do not wait for each other.
+  void openAll(Frontier& frontier) {
+    constexpr std::uint32_t kMany = 16;  // that it is worth while to look for nearer ones first
+    std::uint32_t next = 0;
+    while (next != frontier.nodeCount()) {
+      const std::uint32_t end = frontier.nodeCount();
+      if (search_.fetches)
+        for (std::uint32_t i = next; i != end; ++i) fetch(search_.nodes[frontier.node(i)]);
+      if (end - next > kMany) {
+        for (; next != end; ++next) open<true>(search_.nodes[frontier.node(next)], frontier);
+      } else {
+        for (; next != end; ++next) open<false>(search_.nodes[frontier.node(next)], frontier);
+      }
+    }
+    frontier.dropNodes();
+  }
+
+  /// `kNearsReach`: nothing matters either that is farther than some lane's set for sure.
+  template <bool kNearsReach>
+  void open(const WideNode& node, Frontier& frontier) {
+    const SeenBoxes seen = boxesSeenIn(node);
+    if constexpr (kNearsReach) {
+      const Real reach = squaredReachOf(farthestInNearest(seen, node) + box_rounding_);
+      squared_reach_ = reach < squared_reach_ ? reach : squared_reach_;
+    }
+    put(node, squaresOf(seen, node), frontier);
+  }
+
+  /// Those of a node's sets that matter are to wait.
+  [[gnu::always_inline]] void put(const WideNode& node, const Lanes<Real>& squares,
+                                  Frontier& frontier) {
+    const Truth<Real> matter = squares <= Lanes<Real>::all(squaredReach());
     // Lanes that are not in use repeat others.
     boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
-    const std::uint32_t waiting = matter.bits() & ((1U << node.lane_count) - 1);
-    if (waiting == 0) return kNoSet;
-    if (search_.fetches) fetchThose(waiting, node);
-    const Keys none = -1 - Keys{};
-    const Keys used = kLaneNumbers < static_cast<std::int32_t>(node.lane_count);
-    const Keys keys = used != 0 ? keysOf(squares) : none;
-    // Keys are rounded: the nearest is of a box that matters, or of one that ties with it.
-    const std::uint32_t nearest = leastOf(keys);
-    stack.push(node, without(nearest, chosenBy(matter) != 0 ? keys : none));
-    return setIn(node, nearest & kLaneBits);
+    frontier.add(node, matter.bits() & ((1U << node.lane_count) - 1), inFloats(squares));
   }
 
-  /// Brings what is in these lanes of a node closer, by bits. As a call gcc would leave it out, as
-  /// one that does nothing.
-  [[gnu::always_inline]] void fetchThose(std::uint32_t lanes, const WideNode& node) const {
-    for (; lanes != 0; lanes &= lanes - 1) fetch(search_, setIn(node, lowestBit(lanes)));
+  /// The nearest first: most of the others are too far then.
+  void scanAll(Frontier& frontier) {
+    constexpr std::uint32_t kFew =
+        8;  // that they are looked at sooner than it is known which matter
+    while (search_.sparing ? frontier.packetCount() > 0 : frontier.packetCount() > kFew) {
+      lookAt(frontier.takeNearestPacket());
+      decide();
+      leaveOutPackets(frontier);
+      if (!search_.sparing) break;
+    }
+    if (search_.fetches)
+      for (std::uint32_t i = 0; i < frontier.packetCount(); ++i)
+        fetch(search_.packets[frontier.packet(i)]);
+    for (std::uint32_t i = 0; i < frontier.packetCount(); ++i) lookAt(frontier.packet(i));
+    frontier.dropPackets();
   }
 
-  Range<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
+  void leaveOutPackets(Frontier& frontier) {
+    constexpr Real kLargest{0x1p127F};
+    const Real square = squaredReach();
+    const float least = frontier.dropPacketsBeyond(
+        square < kLargest ? static_cast<float>(square) : kFloatInfinity, kFloatInfinity);
+    boxes_left_out_ = smaller(Lanes<Real>::all(Real{least}), boxes_left_out_);
+  }
+
+  void lookAt(std::uint32_t packet) {
+    const Lanes<Real> squares =
+        isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]);
+    if (search_.followed != nullptr) note(packet, boundsOf(squares));
+  }
+
+  SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
     Vector<Real> low, high;
     const Real farthest = tipBox(
         packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
     rounding = roundingOf(farthest, packet.radius) + tip_rounding_ + Real{kPlaceRounding};
     if constexpr (kIsPoint) {
-      return distanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
+      return squaredDistanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
     } else {
       Vector<Real> tip[kCorners];
       for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(tip_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
       rounding = rounding + rounding;
-      return {gap.low, gap.high};
+      return {gap.low * gap.low, gap.high * gap.high};
     }
   }
 
@@ -285,54 +438,96 @@ class Walk {
     return Lanes<Real>::all(1) <= Lanes<Real>::load(is_chosen);
   }
 
-  /// Looks at the triangles of a packet: those that may be nearest are to be measured. All are at
-  /// least as far as what it returns if packets are followed.
+  /// Looks at the triangles of a packet, which become candidates. Returns the squares of their
+  /// bounds, but for rounding. What is nearest of all is decided once for many packets, as each
+  /// decision waits for all that leads to it.
   Lanes<Real> scan(const TrianglePacket& packet) {
+    if (candidate_count_ == kMostCandidates) makeRoom();
     Real rounding = 0;
-    const Range<Real> range = rangeOf(packet, rounding);
-    const Lanes<Real> bounds = range.low - Lanes<Real>::all(rounding);
+    const SquaredRange<Real> range = rangeOf(packet, rounding);
+    rounding_ = rounding > rounding_ ? rounding : rounding_;
     const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
     if (search_.sparing) {
-      allowed = chosen(packet, range.high + Lanes<Real>::all(rounding), rounding);
+      allowed = chosen(packet, root(range.high) + Lanes<Real>::all(rounding), rounding);
+      left_out_ = leastOfThose(used & !allowed, range.low, left_out_);
     } else {
       search_.triangles += packet.lane_count;
     }
-    const Real nearest =
-        leastOf(select(allowed, range.high, Lanes<Real>::all(Real{kFloatInfinity})));
-    const double not_farther =
-        static_cast<double>(nearest + rounding) * (1.0 + 4 * kRoundoff<Real>);
-    if (not_farther < search_.best) {
-      search_.best = not_farther;
-      look();
-      promised_ = true;
-      promised_leaf_ = packet.first_leaf +
-                       lowestBit((allowed & (range.high <= Lanes<Real>::all(nearest))).bits());
-      if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
+    const Truth<Real> nearer = allowed & !(not_farther_ <= range.high);
+    not_farther_ = select(nearer, range.high, not_farther_);
+    nearest_candidates_ =
+        select(nearer, Lanes<Real>::all(static_cast<Real>(candidate_count_)), nearest_candidates_);
+    candidates_[candidate_count_++] = {select(allowed, range.low, kNone), packet.first_leaf};
+    if (!kIsPoint) {
+      const Lanes<Real> meeting = Lanes<Real>::all(squareOf(rounding));
+      if ((allowed & (range.low <= meeting)).bits() != 0) measureCandidates();
     }
-    const Truth<Real> matter = allowed & (bounds <= Lanes<Real>::all(reach_));
-    left_out_ = leastOfThose(used & !matter, bounds, left_out_);
-    const Lanes<Real> infinite = Lanes<Real>::all(Real{kFloatInfinity});
-    candidates_[candidate_count_] = {select(matter, bounds, infinite), packet.first_leaf};
-    candidate_count_ += matter.bits() != 0 ? 1 : 0;
-    const bool may_meet = !kIsPoint && (matter & (bounds <= Lanes<Real>{})).bits() != 0;
-    if (may_meet || candidate_count_ == kMostCandidates) measureCandidates();
-    return select(used, bounds, infinite);
+    return select(used, range.low, kNone);
   }
 
-  /// Measures exactly what still may be nearest, first what seems to be.
-  void measureCandidates() {
-    if (promised_) measure(promised_leaf_);
+  /// Bounds from such squares.
+  Lanes<Real> boundsOf(const Lanes<Real>& squares) const {
+    return root(squares) - Lanes<Real>::all(rounding_);
+  }
+
+  /// What is nearest of the candidates so far.
+  void decide() {
+    const Real least = leastOf(not_farther_);
+    const Real not_farther = (rootOf(least) + rounding_) * (1 + 4 * kRoundoff<Real>);
+    if (!(static_cast<double>(not_farther) < search_.best)) return;
+    search_.best = not_farther;
+    look(not_farther);
+    const std::uint32_t lane = lowestBit((not_farther_ <= Lanes<Real>::all(least)).bits());
+    const auto candidate = static_cast<std::uint32_t>(nearest_candidates_[lane]);
+    promised_ = true;
+    promised_leaf_ = candidates_[candidate].first_leaf + lane;
+    if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
+  }
+
+  /// Those that may be nearest.
+  Truth<Real> within(const Lanes<Real>& squares) {
+    const Truth<Real> within = squares <= Lanes<Real>::all(squareOf(reach_ + rounding_));
+    left_out_ = leastOfThose(!within, squares, left_out_);
+    return within;
+  }
+
+  /// Drops candidates that are too far.
+  void dropCandidates() {
+    decide();
+    not_farther_ = kNone;
+    std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < candidate_count_; ++i) {
-      const auto& [bounds, first_leaf] = candidates_[i];
-      const Truth<Real> within = bounds <= Lanes<Real>::all(reach_);
-      left_out_ = leastOfThose(!within, bounds, left_out_);
-      for (std::uint32_t rest = within.bits(); rest != 0; rest &= rest - 1) {
-        const std::uint32_t leaf = first_leaf + lowestBit(rest);
-        if (leaf != search_.best_leaf) measure(leaf);
-      }
+      const auto [squares, first_leaf] = candidates_[i];
+      const Truth<Real> matter = within(squares);
+      candidates_[kept] = {select(matter, squares, kNone), first_leaf};
+      kept += matter.bits() != 0 ? 1 : 0;
+    }
+    candidate_count_ = kept;
+  }
+
+  void makeRoom() {
+    dropCandidates();
+    if (candidate_count_ > kMostCandidates / 2) measureCandidates();
+  }
+
+  /// Measures exactly what still may be nearest, first what seems to be. Which those are is told
+  /// before, so that none waits for the one before it.
+  void measureCandidates() {
+    decide();
+    std::uint32_t leaves[(kMostCandidates + 1) * kLaneCount];
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < candidate_count_; ++i) {
+      const std::uint32_t chosen = kChosenLanes[within(candidates_[i].squares).bits()];
+      writeNumbers(chosen, candidates_[i].first_leaf, leaves + count);
+      count += chosen >> 24U;
     }
     candidate_count_ = 0;
+    not_farther_ = kNone;
+    std::uint32_t first = search_.best_leaf;
+    if (promised_) measure(first = promised_leaf_);
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (leaves[i] != first) measure(leaves[i]);
   }
 
   double measure(std::uint32_t leaf) {
@@ -343,6 +538,7 @@ class Walk {
   }
 
   Search& search_;
+  Real share_, allowance_;  // the search's, rounded so that nothing more is left out
   Vector<Real> tip_[kCorners];
   Real tip_rounding_;   // of its corners
   Real box_rounding_;   // of the distance to any box
@@ -350,10 +546,14 @@ class Walk {
   Real squared_reach_;  // a box with that
   Lanes<Real> boxes_left_out_ =
       Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of those, squared
-  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest triangle of them
-  static constexpr std::uint32_t kMostCandidates = 16;
+  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // of triangles, the same
+  const Lanes<Real> kNone = Lanes<Real>::all(Real{kFloatInfinity});
+  static constexpr std::uint32_t kMostCandidates = 32;
   CandidateLanes<Real> candidates_[kMostCandidates];
   std::uint32_t candidate_count_ = 0;
+  Real rounding_ = 0;                     // of their distances, at most
+  Lanes<Real> not_farther_ = kNone;       // the nearest of them in each lane, squared
+  Lanes<Real> nearest_candidates_ = {};   // where those are
   float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;

@@ -54,8 +54,8 @@ struct Tracker::Memory {
 namespace {
 
 /// As many packets are followed as cost little to keep, and seldom leave too little clear.
-constexpr std::uint32_t kFewPackets = 6;
-constexpr std::uint32_t kManyPackets = 12;
+constexpr std::uint32_t kFewPackets = 8;
+constexpr std::uint32_t kManyPackets = 16;
 
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
@@ -123,16 +123,26 @@ class TrackedSearch : private NearestSearch<Tip> {
     return this->best + near.drift < near.clear * kKept;
   }
 
-  /// Follows nothing. What was nearest is measured first: most of the rest is farther.
+  /// Follows nothing.
   void search() {
+    startFromLast();
     memory_.followed.count = 0;
     this->followed = nullptr;
-    const FarthestPairTree::Leaf last = memory_.followed.nearest;
-    if (last != kNoLeaf && memory_.motion.build == motion_.build) this->measure(last);
     NearestSearch<Tip>::walk();
   }
 
+  /// Of a tip that is near where it was, most is farther than what was nearest.
+  void startFromLast() {
+    const FarthestPairTree::Leaf last = memory_.followed.nearest;
+    if (last == kNoLeaf || memory_.motion.build != motion_.build ||
+        memory_.corner_count != this->tip_.corners().size() || !(step() <= memory_.slack))
+      return;
+    if (this->best_leaf == kNoLeaf) this->measure(last);
+    this->dives = false;
+  }
+
   void walk() {
+    startFromLast();
     Followed& near = memory_.followed;
     this->followed = &near;
     near.count = 0;

@@ -3,15 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <string>
 #include <type_traits>
 
 #include "core/descend.h"
+#include "core/frontier.h"
 #include "core/lane_vector.h"
-#include "core/waiting.h"
 
 namespace organ_collision::core {
 namespace {
@@ -120,16 +122,6 @@ TYPED_TEST(LanesOf, AreComparedOneByOne) {
     EXPECT_EQ(chosen[i], i < 3 ? TypeParam{1} : this->some(i));
 }
 
-/// Keys of lanes that are 0, 1, 4, ... 49 away, squared; none in the lanes that `pattern` leaves
-/// out.
-Keys keysOfSquares(std::uint32_t pattern) {
-  const Keys keys = keysOf(Lanes<float>::numbers() * Lanes<float>::numbers());
-  Keys some = keys;
-  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-    if ((pattern >> lane & 1U) == 0) some[lane] = -1;
-  return some;
-}
-
 TEST(Lanes, AreChosenByTheirNumbers) {
   const Lanes<float> lanes = Lanes<float>::numbers() - Lanes<float>::all(2.5F);
   constexpr std::uint32_t kNumbers = 05742013U;  // in octal, the first one last
@@ -147,50 +139,90 @@ TEST(Descent, FindsTheFirstByteThatIsZero) {
   EXPECT_EQ(firstZero(0x00FF0180017F8001U), 7U);
 }
 
-TEST(SetsThatWait, AreTakenTheNearestFirst) {
+/// Room for some sets, and lanes that are 0, 1, 4, ... 49 away, squared.
+class SetsThatWait : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kRoom = 40;
+
+  static WideNode nodeOf(std::uint32_t first_node, std::uint32_t node_count,
+                         std::uint32_t first_packet) {
+    WideNode node = {};
+    node.first_node = first_node;
+    node.first_packet = first_packet;
+    node.node_count = static_cast<std::uint8_t>(node_count);
+    node.lane_count = kLaneCount;
+    return node;
+  }
+
+  std::array<std::uint32_t, kRoom> nodes_, packets_;
+  std::array<float, kRoom> bounds_;
+  Frontier frontier_{{nullptr, nodes_.data(), packets_.data(), bounds_.data()}};
+  const Lanes<float> squares_ = Lanes<float>::numbers() * Lanes<float>::numbers();
+};
+
+TEST_F(SetsThatWait, AreThoseOfTheLanesThatAreAdded) {
   for (std::uint32_t pattern = 0; pattern <= kAll; ++pattern) {
     SCOPED_TRACE(pattern);
-    WaitingLanes room[1];
-    Stack stack(room);
-    WideNode node = {};
-    node.first_node = 100;
-    node.first_packet = 200;
-    node.node_count = 3;
-    stack.push(node, keysOfSquares(pattern));
-    Lanes<float> dropped = Lanes<float>::all(kFloatInfinity);
+    Frontier frontier = frontier_;
+    frontier.add(nodeOf(100, 3, 200), pattern, squares_);
+    std::uint32_t node = 0, packets = 0;
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
       if ((pattern >> lane & 1U) == 0) continue;
-      EXPECT_EQ(stack.take(100.0F, dropped), lane < 3 ? 100 + lane : (200 + lane - 3) | kPacketBit);
+      if (lane < 3) {
+        ASSERT_LT(node, frontier.nodeCount());
+        EXPECT_EQ(frontier.node(node++), 100 + lane);
+      } else {
+        ASSERT_LT(packets, frontier.packetCount());
+        EXPECT_EQ(frontier.packet(packets++), 200 + lane - 3);
+      }
     }
-    EXPECT_EQ(stack.take(100.0F, dropped), kNoSet);
-    EXPECT_EQ(leastOf(dropped), kFloatInfinity);
+    EXPECT_EQ(frontier.nodeCount(), node);
+    EXPECT_EQ(frontier.packetCount(), packets);
   }
 }
 
-TEST(SetsThatWait, AreDroppedWhereTheyAreTooFar) {
-  WaitingLanes room[2];
-  Stack stack(room);
-  WideNode above = {}, below = {};
-  above.node_count = below.node_count = kLaneCount;
-  below.first_node = 100;
-  stack.push(above, keysOfSquares(0b00000111U));
-  stack.push(below, keysOfSquares(0b11110000U));
-  Lanes<float> dropped = Lanes<float>::all(kFloatInfinity);
-  EXPECT_EQ(stack.take(16.0F, dropped), 104U);
-  EXPECT_EQ(stack.take(16.0F, dropped), 0U);  // of the node above, as 5 * 5 is too far
-  EXPECT_NEAR(leastOf(dropped), 25.0F, 1e-4F);
-  EXPECT_EQ(stack.take(-kFloatInfinity, dropped), kNoSet);
-  EXPECT_NEAR(leastOf(dropped), 1.0F, 1e-5F);
+TEST_F(SetsThatWait, FollowThoseOfNodesBefore) {
+  frontier_.addNode(7);
+  frontier_.add(nodeOf(100, 8, 0), 0b10000001U, squares_);
+  frontier_.add(nodeOf(300, 1, 200), 0b00000011U, squares_);
+  ASSERT_EQ(frontier_.nodeCount(), 4U);
+  EXPECT_EQ(frontier_.node(0), 7U);
+  EXPECT_EQ(frontier_.node(1), 100U);
+  EXPECT_EQ(frontier_.node(2), 107U);
+  EXPECT_EQ(frontier_.node(3), 300U);
+  ASSERT_EQ(frontier_.packetCount(), 1U);
+  EXPECT_EQ(frontier_.packet(0), 200U);
 }
 
-TEST(SetsThatWait, KeepBoundsThatAreNotLargerAndTheirLanes) {
-  const Lanes<double> squares = Lanes<double>::numbers() * Lanes<double>::all(0.1);
-  const Keys keys = keysOf(squares);
+TEST_F(SetsThatWait, AreTakenTheNearestFirstAndDroppedWhereTheyAreTooFar) {
+  const Lanes<float> others = Lanes<float>::all(30) - squares_;  // 30, 29, 26, 21, 14, 5
+  frontier_.add(nodeOf(0, 0, 100), 0b11111000U, squares_);
+  frontier_.add(nodeOf(0, 0, 200), 0b00111111U, others);
+  EXPECT_EQ(frontier_.takeNearestPacket(), 205U);
+  EXPECT_EQ(frontier_.takeNearestPacket(), 103U);
+  EXPECT_EQ(frontier_.packetCount(), 9U);
+  EXPECT_EQ(frontier_.dropPacketsBeyond(25.0F, kFloatInfinity), 26.0F);
+  std::set<std::uint32_t> left;
+  for (std::uint32_t i = 0; i < frontier_.packetCount(); ++i) left.insert(frontier_.packet(i));
+  EXPECT_EQ(left, std::set<std::uint32_t>({104, 105, 203, 204}));
+  EXPECT_EQ(frontier_.dropPacketsBeyond(-1.0F, 3.0F), 3.0F);
+  EXPECT_EQ(frontier_.packetCount(), 0U);
+}
+
+TEST(LeastLane, IsOneOfThoseInUse) {
+  const Lanes<float> falling = Lanes<float>::all(7) - Lanes<float>::numbers();
+  for (std::uint32_t count = 1; count <= kLaneCount; ++count)
+    EXPECT_EQ(laneOfLeast(falling, count), count - 1);
+  EXPECT_EQ(laneOfLeast(Lanes<float>::numbers(), kLaneCount), 0U);
+  EXPECT_EQ(laneOfLeast(Lanes<float>::all(kFloatInfinity), 3), 0U);
+}
+
+TEST(LowerBounds, AreNoLargerInSinglePrecision) {
+  const Lanes<double> bounds = Lanes<double>::numbers() * Lanes<double>::all(0.1);
+  const Lanes<float> lower = inFloats(bounds);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    const float bound = boundIn(static_cast<std::uint32_t>(keys[lane]));
-    EXPECT_EQ(keys[lane] & kLaneBits, static_cast<std::int32_t>(lane));
-    EXPECT_LE(bound, squares[lane]);
-    EXPECT_NEAR(bound, squares[lane], 0x1p-19);
+    EXPECT_LE(double{lower[lane]}, bounds[lane]);
+    EXPECT_NEAR(double{lower[lane]}, bounds[lane], 0x1p-20);
   }
 }
 
