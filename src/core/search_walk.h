@@ -206,7 +206,8 @@ class Walk {
   Real squaredReachOf(Real reach) const {
     return squareOf(reach + static_cast<Real>(search_.slack) + box_rounding_);
   }
-  /// Nothing computed that is not beyond a reach has a larger square; below zero nothing is.
+  /// Squares of what is within a reach are not larger, whatever rounding does to them; within one
+  /// below zero there is nothing.
   static Real squareOf(Real reach) {
     return reach > 0 ? reach * reach * (1 + 16 * kRoundoff<Real>) : Real{-1};
   }
@@ -327,9 +328,9 @@ class Walk {
     scanAll(frontier);
   }
 
-  /// Level by level: nodes of one do not wait for each other.
+  /// Level by level: the nodes of a level do not wait for each other.
   void openAll(Frontier& frontier) {
-    constexpr std::uint32_t kMany = 16;  // that it is worth while to look for nearer ones first
+    constexpr std::uint32_t kMany = 16;  // nodes, of which most turn out not to matter
     std::uint32_t next = 0;
     while (next != frontier.nodeCount()) {
       const std::uint32_t end = frontier.nodeCount();
@@ -344,7 +345,7 @@ class Walk {
     frontier.dropNodes();
   }
 
-  /// `kNearsReach`: nothing matters either that is farther than some lane's set for sure.
+  /// `kNearsReach`: nor does matter what is farther than all of some lane's set.
   template <bool kNearsReach>
   void open(const WideNode& node, Frontier& frontier) {
     const SeenBoxes seen = boxesSeenIn(node);
@@ -364,16 +365,15 @@ class Walk {
     frontier.add(node, matter.bits() & ((1U << node.lane_count) - 1), inFloats(squares));
   }
 
-  /// The nearest first: most of the others are too far then.
+  /// Few leaves are spent one packet after the other. Of many packets most do not matter once the
+  /// nearest is known; a few are looked at sooner than it is told which of them do.
   void scanAll(Frontier& frontier) {
-    constexpr std::uint32_t kFew =
-        8;  // that they are looked at sooner than it is known which matter
-    while (search_.sparing ? frontier.packetCount() > 0 : frontier.packetCount() > kFew) {
-      lookAt(frontier.takeNearestPacket());
-      decide();
-      leaveOutPackets(frontier);
-      if (!search_.sparing) break;
+    constexpr std::uint32_t kFew = 8;
+    if (search_.sparing) {
+      while (frontier.packetCount() > 0) lookAtNearest(frontier);
+      return;
     }
+    if (frontier.packetCount() > kFew) lookAtNearest(frontier);
     if (search_.fetches)
       for (std::uint32_t i = 0; i < frontier.packetCount(); ++i)
         fetch(search_.packets[frontier.packet(i)]);
@@ -381,7 +381,10 @@ class Walk {
     frontier.dropPackets();
   }
 
-  void leaveOutPackets(Frontier& frontier) {
+  /// Leaves out packets that are too far then.
+  void lookAtNearest(Frontier& frontier) {
+    lookAt(frontier.takeNearestPacket());
+    decide();
     constexpr Real kLargest{0x1p127F};
     const Real square = squaredReach();
     const float least = frontier.dropPacketsBeyond(
