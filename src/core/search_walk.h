@@ -91,6 +91,8 @@ class Walk {
  private:
   static constexpr bool kIsPoint = kCorners == 1;
 
+  static Lanes<Real> infinite() { return Lanes<Real>::all(Real{kFloatInfinity}); }
+
   /// Boxes are turned by axes that are shorter than 1, by less.
   static constexpr float kAxesShorter = 0x1p-18F;
 
@@ -273,7 +275,7 @@ class Walk {
     const LaneVector<Real> middles = half * (seen.low + seen.high);
     if constexpr (kIsPoint) return middles - everywhere(seen.tip_low);
     constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
-    Lanes<Real> least = kNone;
+    Lanes<Real> least = infinite();
     LaneVector<Real> shortest = {};
     for (std::uint32_t i = 0; i < kEdges; ++i) {
       const Vector<Real> start = turned(node, relative(tip_[i], node.origin));
@@ -461,12 +463,12 @@ class Walk {
     not_farther_ = select(nearer, range.high, not_farther_);
     nearest_candidates_ =
         select(nearer, Lanes<Real>::all(static_cast<Real>(candidate_count_)), nearest_candidates_);
-    candidates_[candidate_count_++] = {select(allowed, range.low, kNone), packet.first_leaf};
+    candidates_[candidate_count_++] = {select(allowed, range.low, infinite()), packet.first_leaf};
     if (!kIsPoint) {
       const Lanes<Real> meeting = Lanes<Real>::all(squareOf(rounding));
       if ((allowed & (range.low <= meeting)).bits() != 0) measureCandidates();
     }
-    return select(used, range.low, kNone);
+    return select(used, range.low, infinite());
   }
 
   /// Bounds from such squares.
@@ -498,12 +500,12 @@ class Walk {
   /// Drops candidates that are too far.
   void dropCandidates() {
     decide();
-    not_farther_ = kNone;
+    not_farther_ = infinite();
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < candidate_count_; ++i) {
       const auto [squares, first_leaf] = candidates_[i];
       const Truth<Real> matter = within(squares);
-      candidates_[kept] = {select(matter, squares, kNone), first_leaf};
+      candidates_[kept] = {select(matter, squares, infinite()), first_leaf};
       kept += matter.bits() != 0 ? 1 : 0;
     }
     candidate_count_ = kept;
@@ -526,7 +528,7 @@ class Walk {
       count += chosen >> 24U;
     }
     candidate_count_ = 0;
-    not_farther_ = kNone;
+    not_farther_ = infinite();
     std::uint32_t first = search_.best_leaf;
     if (promised_) measure(first = promised_leaf_);
     for (std::uint32_t i = 0; i < count; ++i)
@@ -543,19 +545,17 @@ class Walk {
   Search& search_;
   Real share_, allowance_;  // the search's, rounded so that nothing more is left out
   Vector<Real> tip_[kCorners];
-  Real tip_rounding_;   // of its corners
-  Real box_rounding_;   // of the distance to any box
-  Real reach_;          // what is farther is left out
-  Real squared_reach_;  // a box with that
-  Lanes<Real> boxes_left_out_ =
-      Lanes<Real>::all(Real{kFloatInfinity});                      // the nearest of those, squared
-  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // of triangles, the same
-  const Lanes<Real> kNone = Lanes<Real>::all(Real{kFloatInfinity});
+  Real tip_rounding_;                        // of its corners
+  Real box_rounding_;                        // of the distance to any box
+  Real reach_;                               // what is farther is left out
+  Real squared_reach_;                       // a box with that
+  Lanes<Real> boxes_left_out_ = infinite();  // the nearest of those, squared
+  Lanes<Real> left_out_ = infinite();        // of triangles, the same
   static constexpr std::uint32_t kMostCandidates = 32;
   CandidateLanes<Real> candidates_[kMostCandidates];
   std::uint32_t candidate_count_ = 0;
   Real rounding_ = 0;                     // of their distances, at most
-  Lanes<Real> not_farther_ = kNone;       // the nearest of them in each lane, squared
+  Lanes<Real> not_farther_ = infinite();  // the nearest of them in each lane, squared
   Lanes<Real> nearest_candidates_ = {};   // where those are
   float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
