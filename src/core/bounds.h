@@ -67,6 +67,18 @@ template <class Real>
   return dot(gaps, gaps);
 }
 
+template <class Real>
+inline Lanes<Real> infinite() {
+  return Lanes<Real>::all(Real{kFloatInfinity});
+}
+
+/// Squares of what is within a reach are not larger, whatever rounding does to them; within one
+/// below zero there is nothing.
+template <class Real>
+inline Real squareOf(Real reach) {
+  return reach > 0 ? reach * reach * (1 + 16 * kRoundoff<Real>) : Real{-1};
+}
+
 /// What is farther than this cannot improve on `best` by more than is allowed. `best` and the
 /// allowance may both be infinite: then nothing is too far.
 inline double allowedReach(double best, double share, double allowance) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/bounds.h"
+#include "core/candidates.h"
 #include "core/frontier.h"
 #include "core/gap.h"
 #include "core/packet_range.h"
@@ -17,13 +18,6 @@ inline void fetch(const Item& item) {
   for (std::size_t i = 0; i < sizeof(item); i += kLine)
     __builtin_prefetch(reinterpret_cast<const char*>(&item) + i);
 }
-
-/// Triangles of a packet that may be nearest, by lanes.
-template <class Real>
-struct CandidateLanes {
-  Lanes<Real> squares;  ///< of their bounds, but for rounding; infinite for the others
-  std::uint32_t first_leaf;
-};
 
 /// Of a tip of one, two or three corners.
 template <class Real, std::uint32_t kCorners>
@@ -91,8 +85,6 @@ class Walk {
  private:
   static constexpr bool kIsPoint = kCorners == 1;
 
-  static Lanes<Real> infinite() { return Lanes<Real>::all(Real{kFloatInfinity}); }
-
   /// Boxes are turned by axes that are shorter than 1, by less.
   static constexpr float kAxesShorter = 0x1p-18F;
 
@@ -109,7 +101,7 @@ class Walk {
 
   void finish() {
     measureCandidates();
-    if (!isExact()) leaveOut(leastOf(boundsOf(left_out_)));
+    if (!isExact()) leaveOut(candidates_.leftOut());
     if (isExact() || search_.unopened >= search_.best) search_.unopened = kInfinity;
   }
 
@@ -160,7 +152,7 @@ class Walk {
       if (areTied(in_doubt, i, packet)) {
         bounds = select(within, Lanes<float>::all(tied), bounds);
       } else {
-        bounds = kept(boundsOf(scan(packet)));
+        bounds = kept(candidates_.boundsOf(scan(packet)));
       }
     }
     bounds = select(is_nearest, Lanes<float>::all(nearest), bounds);
@@ -207,11 +199,6 @@ class Walk {
   /// Of boxes whose sets matter within that reach.
   Real squaredReachOf(Real reach) const {
     return squareOf(reach + static_cast<Real>(search_.slack) + box_rounding_);
-  }
-  /// Squares of what is within a reach are not larger, whatever rounding does to them; within one
-  /// below zero there is nothing.
-  static Real squareOf(Real reach) {
-    return reach > 0 ? reach * reach * (1 + 16 * kRoundoff<Real>) : Real{-1};
   }
   Real squaredReach() const {
     return search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
@@ -275,7 +262,7 @@ class Walk {
     const LaneVector<Real> middles = half * (seen.low + seen.high);
     if constexpr (kIsPoint) return middles - everywhere(seen.tip_low);
     constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
-    Lanes<Real> least = infinite();
+    Lanes<Real> least = infinite<Real>();
     LaneVector<Real> shortest = {};
     for (std::uint32_t i = 0; i < kEdges; ++i) {
       const Vector<Real> start = turned(node, relative(tip_[i], node.origin));
@@ -397,7 +384,7 @@ class Walk {
   void lookAt(std::uint32_t packet) {
     const Lanes<Real> squares =
         isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]);
-    if (search_.followed != nullptr) note(packet, boundsOf(squares));
+    if (search_.followed != nullptr) note(packet, candidates_.boundsOf(squares));
   }
 
   SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
@@ -444,91 +431,50 @@ class Walk {
   }
 
   /// Looks at the triangles of a packet, which become candidates. Returns the squares of their
-  /// bounds, but for rounding. What is nearest of all is decided once for many packets, as each
-  /// decision waits for all that leads to it.
+  /// bounds, but for rounding.
   Lanes<Real> scan(const TrianglePacket& packet) {
-    if (candidate_count_ == kMostCandidates) makeRoom();
+    if (candidates_.packetCount() == Candidates<Real>::kMost) makeRoom();
     Real rounding = 0;
     const SquaredRange<Real> range = rangeOf(packet, rounding);
-    rounding_ = rounding > rounding_ ? rounding : rounding_;
     const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
     if (search_.sparing) {
       allowed = chosen(packet, root(range.high) + Lanes<Real>::all(rounding), rounding);
-      left_out_ = leastOfThose(used & !allowed, range.low, left_out_);
+      candidates_.leaveOut(used & !allowed, range.low);
     } else {
       search_.triangles += packet.lane_count;
     }
-    const Truth<Real> nearer = allowed & !(not_farther_ <= range.high);
-    not_farther_ = select(nearer, range.high, not_farther_);
-    nearest_candidates_ =
-        select(nearer, Lanes<Real>::all(static_cast<Real>(candidate_count_)), nearest_candidates_);
-    candidates_[candidate_count_++] = {select(allowed, range.low, infinite()), packet.first_leaf};
+    candidates_.add(allowed, range, rounding, packet.first_leaf);
     if (!kIsPoint) {
       const Lanes<Real> meeting = Lanes<Real>::all(squareOf(rounding));
       if ((allowed & (range.low <= meeting)).bits() != 0) measureCandidates();
     }
-    return select(used, range.low, infinite());
-  }
-
-  /// Bounds from such squares.
-  Lanes<Real> boundsOf(const Lanes<Real>& squares) const {
-    return root(squares) - Lanes<Real>::all(rounding_);
+    return select(used, range.low, infinite<Real>());
   }
 
   /// What is nearest of the candidates so far.
   void decide() {
-    const Real least = leastOf(not_farther_);
-    const Real not_farther = (rootOf(least) + rounding_) * (1 + 4 * kRoundoff<Real>);
+    const Real not_farther = candidates_.notFarther();
     if (!(static_cast<double>(not_farther) < search_.best)) return;
     search_.best = not_farther;
     look(not_farther);
-    const std::uint32_t lane = lowestBit((not_farther_ <= Lanes<Real>::all(least)).bits());
-    const auto candidate = static_cast<std::uint32_t>(nearest_candidates_[lane]);
     promised_ = true;
-    promised_leaf_ = candidates_[candidate].first_leaf + lane;
+    promised_leaf_ = candidates_.nearestLeaf();
     if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
   }
 
-  /// Those that may be nearest.
-  Truth<Real> within(const Lanes<Real>& squares) {
-    const Truth<Real> within = squares <= Lanes<Real>::all(squareOf(reach_ + rounding_));
-    left_out_ = leastOfThose(!within, squares, left_out_);
-    return within;
-  }
-
-  /// Drops candidates that are too far.
-  void dropCandidates() {
-    decide();
-    not_farther_ = infinite();
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < candidate_count_; ++i) {
-      const auto [squares, first_leaf] = candidates_[i];
-      const Truth<Real> matter = within(squares);
-      candidates_[kept] = {select(matter, squares, infinite()), first_leaf};
-      kept += matter.bits() != 0 ? 1 : 0;
-    }
-    candidate_count_ = kept;
-  }
-
   void makeRoom() {
-    dropCandidates();
-    if (candidate_count_ > kMostCandidates / 2) measureCandidates();
+    decide();
+    candidates_.dropBeyond(reach_);
+    if (candidates_.packetCount() > Candidates<Real>::kMost / 2) measureCandidates();
   }
 
   /// Measures exactly what still may be nearest, first what seems to be. Which those are is told
   /// before, so that none waits for the one before it.
   void measureCandidates() {
     decide();
-    std::uint32_t leaves[(kMostCandidates + 1) * kLaneCount];
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < candidate_count_; ++i) {
-      const std::uint32_t chosen = kChosenLanes[within(candidates_[i].squares).bits()];
-      writeNumbers(chosen, candidates_[i].first_leaf, leaves + count);
-      count += chosen >> 24U;
-    }
-    candidate_count_ = 0;
-    not_farther_ = infinite();
+    typename Candidates<Real>::Leaves leaves;
+    const std::uint32_t count = candidates_.takeWithin(reach_, leaves);
     std::uint32_t first = search_.best_leaf;
     if (promised_) measure(first = promised_leaf_);
     for (std::uint32_t i = 0; i < count; ++i)
@@ -545,18 +491,12 @@ class Walk {
   Search& search_;
   Real share_, allowance_;  // the search's, rounded so that nothing more is left out
   Vector<Real> tip_[kCorners];
-  Real tip_rounding_;                        // of its corners
-  Real box_rounding_;                        // of the distance to any box
-  Real reach_;                               // what is farther is left out
-  Real squared_reach_;                       // a box with that
-  Lanes<Real> boxes_left_out_ = infinite();  // the nearest of those, squared
-  Lanes<Real> left_out_ = infinite();        // of triangles, the same
-  static constexpr std::uint32_t kMostCandidates = 32;
-  CandidateLanes<Real> candidates_[kMostCandidates];
-  std::uint32_t candidate_count_ = 0;
-  Real rounding_ = 0;                     // of their distances, at most
-  Lanes<Real> not_farther_ = infinite();  // the nearest of them in each lane, squared
-  Lanes<Real> nearest_candidates_ = {};   // where those are
+  Real tip_rounding_;                              // of its corners
+  Real box_rounding_;                              // of the distance to any box
+  Real reach_;                                     // what is farther is left out
+  Real squared_reach_;                             // a box with that
+  Lanes<Real> boxes_left_out_ = infinite<Real>();  // the nearest of those, squared
+  Candidates<Real> candidates_;
   float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;
