@@ -68,6 +68,7 @@ TEST_F(CandidatesOfPackets, KeepTheirLeavesWhereOthersAreDropped) {
   add(4.0F, 1, 300);
   candidates_.dropBeyond(4.0F);
   EXPECT_EQ(candidates_.packetCount(), 2U);
+  EXPECT_EQ(candidates_.notFarther(), kFloatInfinity);
   EXPECT_NEAR(candidates_.leftOut(), 5.0F - kRounding, 1e-5F);
   add(1.0F, 8, 400);
   EXPECT_EQ(candidates_.nearestLeaf(), 400U);
