@@ -81,9 +81,10 @@ inline Real squareOf(Real reach) {
 
 /// What is farther than this cannot improve on `best` by more than is allowed. `best` and the
 /// allowance may both be infinite: then nothing is too far.
-inline double allowedReach(double best, double share, double allowance) {
-  const double less = best - allowance;
-  const double shared = best * share;
+template <class Real>
+inline Real allowedReach(Real best, Real share, Real allowance) {
+  const Real less = best - allowance;
+  const Real shared = best * share;
   return less < shared ? less : shared;
 }
 

@@ -110,8 +110,9 @@ class Frontier {
     return packet;
   }
 
-  /// Drops packets whose bound, squared, is above `square`; the least of those, or `least`.
-  float dropPacketsBeyond(float square, float least) {
+  /// Drops packets whose bound, squared, is above `square`; returns the least of those, if any.
+  float dropPacketsBeyond(float square) {
+    float least = kFloatInfinity;
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < packet_count_; ++i) {
       const float bound = room_.squares[i];

@@ -13,20 +13,19 @@ namespace organ_collision::core {
 
 FrontierRoom roomFor(const WideTree& tree) {
   struct Room {
-    std::vector<PassedNode> passed;
-    std::vector<std::uint32_t> nodes, packets;
-    std::vector<float> squares;
+    HugePageVector<PassedNode> passed;
+    HugePageVector<std::uint32_t> nodes, packets;
+    HugePageVector<float> squares;
   };
   thread_local Room room;
-  const std::size_t node_count = tree.nodes().size() + kLaneCount;
-  const std::size_t packet_count = tree.packets().size() + kLaneCount;
-  if (room.passed.size() < tree.depth()) room.passed.resize(tree.depth());
-  if (room.nodes.size() < node_count) room.nodes.resize(node_count);
-  if (room.packets.size() < packet_count) {
-    room.packets.resize(packet_count);
-    room.squares.resize(packet_count);
-  }
-  return {room.passed.data(), room.nodes.data(), room.packets.data(), room.squares.data()};
+  const auto at_least = [](auto& items, std::size_t count) {
+    if (items.size() < count) items.resize(count);
+    return items.data();
+  };
+  const std::size_t packets = tree.packets().size() + kLaneCount;
+  return {at_least(room.passed, tree.depth()),
+          at_least(room.nodes, tree.nodes().size() + kLaneCount), at_least(room.packets, packets),
+          at_least(room.squares, packets)};
 }
 
 void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest) {

@@ -247,7 +247,7 @@ class PairWalk {
     const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
     // Lanes that are not in use repeat others.
-    Real least = leastOf(select(matter, Lanes<Real>::all(Real{kFloatInfinity}), bounds));
+    Real least = leastOf(select(matter, infinite<Real>(), bounds));
     leaveOut(least);
     const std::uint32_t used = (1U << first.lane_count) - 1;
     if ((used & matter.bits()) == 0) return least;
@@ -279,8 +279,7 @@ class PairWalk {
     search_.triangles += looked_at;
     const Truth<Real> allowed =
         Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(looked_at) - 1);
-    const Lanes<Real> infinite = Lanes<Real>::all(Real{kFloatInfinity});
-    const Real nearest = leastOf(select(allowed, gap.high, infinite));
+    const Real nearest = leastOf(select(allowed, gap.high, infinite<Real>()));
     const double not_farther =
         static_cast<double>(nearest + rounding) * (1.0 + 4 * kRoundoff<Real>);
     if (not_farther < search_.best) {
@@ -303,7 +302,7 @@ class PairWalk {
       may_meet = may_meet || bound[lane] <= 0;
     }
     if (may_meet) measureCandidates();  // then nothing else matters
-    return leastOf(select(used, bounds, infinite));
+    return leastOf(select(used, bounds, infinite<Real>()));
   }
 
   /// Measures exactly what still may be nearest.
@@ -326,10 +325,10 @@ class PairWalk {
   }
 
   PairSearch& search_;
-  Real reach_;          // what is farther is left out
-  Real reach_of_sets_;  // sets with that
-  Lanes<Real> sets_left_out_ = Lanes<Real>::all(Real{kFloatInfinity});  // the nearest of them
-  Lanes<Real> left_out_ = Lanes<Real>::all(Real{kFloatInfinity});       // the nearest triangles
+  Real reach_;                                    // what is farther is left out
+  Real reach_of_sets_;                            // sets with that
+  Lanes<Real> sets_left_out_ = infinite<Real>();  // the nearest of them
+  Lanes<Real> left_out_ = infinite<Real>();       // the nearest triangles
   PairCandidates candidates_;
   const TrianglePacket* turned_packet_ = nullptr;
   LaneTriangles<Real> turned_;

@@ -190,9 +190,7 @@ class Walk {
 
   void look() { look(static_cast<Real>(search_.best)); }
   void look(Real best) {
-    const Real less = best - allowance_;
-    const Real shared = best * share_;
-    reach_ = less < shared ? less : shared;
+    reach_ = allowedReach(best, share_, allowance_);
     squared_reach_ = squaredReachOf(reach_);
   }
 
@@ -376,8 +374,8 @@ class Walk {
     decide();
     constexpr Real kLargest{0x1p127F};
     const Real square = squaredReach();
-    const float least = frontier.dropPacketsBeyond(
-        square < kLargest ? static_cast<float>(square) : kFloatInfinity, kFloatInfinity);
+    const float least =
+        frontier.dropPacketsBeyond(square < kLargest ? static_cast<float>(square) : kFloatInfinity);
     boxes_left_out_ = smaller(Lanes<Real>::all(Real{least}), boxes_left_out_);
   }
 

@@ -201,11 +201,12 @@ TEST_F(SetsThatWait, AreTakenTheNearestFirstAndDroppedWhereTheyAreTooFar) {
   EXPECT_EQ(frontier_.takeNearestPacket(), 205U);
   EXPECT_EQ(frontier_.takeNearestPacket(), 103U);
   EXPECT_EQ(frontier_.packetCount(), 9U);
-  EXPECT_EQ(frontier_.dropPacketsBeyond(25.0F, kFloatInfinity), 26.0F);
+  EXPECT_EQ(frontier_.dropPacketsBeyond(25.0F), 26.0F);
   std::set<std::uint32_t> left;
   for (std::uint32_t i = 0; i < frontier_.packetCount(); ++i) left.insert(frontier_.packet(i));
   EXPECT_EQ(left, std::set<std::uint32_t>({104, 105, 203, 204}));
-  EXPECT_EQ(frontier_.dropPacketsBeyond(-1.0F, 3.0F), 3.0F);
+  EXPECT_EQ(frontier_.dropPacketsBeyond(25.0F), kFloatInfinity);
+  EXPECT_EQ(frontier_.dropPacketsBeyond(-1.0F), 14.0F);
   EXPECT_EQ(frontier_.packetCount(), 0U);
 }
 
