@@ -3,9 +3,8 @@
 #include "core/bounds.h"
 #include "core/candidates.h"
 #include "core/frontier.h"
-#include "core/gap.h"
-#include "core/packet_range.h"
 #include "core/search.h"
+#include "core/walking_tip.h"
 
 // The walk itself, for whichever vector unit includes it.
 namespace organ_collision::core {
@@ -25,22 +24,9 @@ class Walk {
  public:
   explicit Walk(Search& search)
       : search_(search),
+        tip_(search),
         share_(search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
         allowance_(Real{inFloat(search.allowance)}) {
-    Real reach = 0;
-    for (std::uint32_t i = 0; i < kCorners; ++i) {
-      const std::array<double, 3>& corner = search.corners[i];
-      tip_[i] = {static_cast<Real>(corner[0]), static_cast<Real>(corner[1]),
-                 static_cast<Real>(corner[2])};
-      const Real corner_reach = reachOf(tip_[i]);
-      reach = corner_reach > reach ? corner_reach : reach;
-    }
-    tip_rounding_ = kRoundoff<Real> * reach;
-    const WideNode& root = search.nodes[0];
-    const Vector<Real> origin = {Real{root.origin[0]}, Real{root.origin[1]}, Real{root.origin[2]}};
-    // Boxes are as much larger as what they enclose may be off; gaps along directions are not.
-    box_rounding_ = roundingOf(reach + reachOf(origin) + 4 * Real{root.radius},
-                               kCorners == 2 ? root.radius : 0.0F);
     look();
   }
 
@@ -85,16 +71,14 @@ class Walk {
  private:
   static constexpr bool kIsPoint = kCorners == 1;
 
-  /// Boxes are turned by axes that are shorter than 1, by less.
-  static constexpr float kAxesShorter = 0x1p-18F;
-
   /// What was left out because it was farther than the best of its time is farther than the last.
   bool isExact() const {
     return search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
   }
 
   void leaveOutBoxes() {
-    const double box = rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-box_rounding_;
+    const double box =
+        rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-tip_.boxRounding();
     if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
     leaveOut(box);
   }
@@ -196,7 +180,7 @@ class Walk {
 
   /// Of boxes whose sets matter within that reach.
   Real squaredReachOf(Real reach) const {
-    return squareOf(reach + static_cast<Real>(search_.slack) + box_rounding_);
+    return squareOf(reach + static_cast<Real>(search_.slack) + tip_.boxRounding());
   }
   Real squaredReach() const {
     return search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
@@ -204,84 +188,6 @@ class Walk {
 
   void leaveOut(double bound) {
     if (bound < search_.unopened) search_.unopened = bound;
-  }
-
-  /// The box of the tip in a node's or packet's coordinates; how far it is from the origin.
-  template <class Turn>
-  Real tipBox(const std::array<float, 3>& origin, const Turn& turn, Vector<Real>& low,
-              Vector<Real>& high) const {
-    const Vector<Real> first = relative(tip_[0], origin);
-    Real farthest = reachOf(first);
-    low = high = turn(first);
-    if constexpr (!kIsPoint) {
-      for (std::uint32_t i = 1; i < kCorners; ++i) {
-        const Vector<Real> corner = relative(tip_[i], origin);
-        const Real reach = reachOf(corner);
-        farthest = reach > farthest ? reach : farthest;
-        const Vector<Real> v = turn(corner);
-        low = {v.x < low.x ? v.x : low.x, v.y < low.y ? v.y : low.y, v.z < low.z ? v.z : low.z};
-        high = {v.x > high.x ? v.x : high.x, v.y > high.y ? v.y : high.y,
-                v.z > high.z ? v.z : high.z};
-      }
-    }
-    return farthest;
-  }
-
-  /// A node's boxes and the tip's.
-  struct SeenBoxes {
-    LaneVector<Real> low, high;
-    Vector<Real> tip_low, tip_high;
-  };
-  SeenBoxes boxesSeenIn(const WideNode& node) {
-    search_.bounds += node.lane_count;
-    SeenBoxes seen = {load<Real>(node.low), load<Real>(node.high), {}, {}};
-    tipBox(
-        node.origin, [&node](const Vector<Real>& v) { return turned(node, v); }, seen.tip_low,
-        seen.tip_high);
-    return seen;
-  }
-
-  /// The boxes' squared distances, but for box_rounding_.
-  [[gnu::always_inline]] Lanes<Real> squaresOf(const SeenBoxes& seen, const WideNode& node) const {
-    const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
-    if constexpr (kCorners == 2) {
-      const auto end = [&](int i) { return turned(node, relative(tip_[i], node.origin)); };
-      const Lanes<Real> gaps =
-          larger(gapToBoxes(end(0), end(1), seen.low, seen.high) - Lanes<Real>::all(box_rounding_),
-                 Lanes<Real>{});
-      return larger(squares, gaps * gaps);
-    }
-    return squares;
-  }
-
-  /// From about the nearest point of the tip to the middle of each box.
-  LaneVector<Real> wayToMiddles(const SeenBoxes& seen, const WideNode& node) const {
-    const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
-    const LaneVector<Real> middles = half * (seen.low + seen.high);
-    if constexpr (kIsPoint) return middles - everywhere(seen.tip_low);
-    constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
-    Lanes<Real> least = infinite<Real>();
-    LaneVector<Real> shortest = {};
-    for (std::uint32_t i = 0; i < kEdges; ++i) {
-      const Vector<Real> start = turned(node, relative(tip_[i], node.origin));
-      const Vector<Real> end = turned(node, relative(tip_[(i + 1) % kCorners], node.origin));
-      const LaneVector<Real> edge = everywhere(end - start);
-      const LaneVector<Real> from_start = middles - everywhere(start);
-      const LaneVector<Real> way =
-          from_start - clampedTo1(dot(from_start, edge) / dot(edge, edge)) * edge;
-      const Truth<Real> is_shorter = dot(way, way) <= least;
-      least = select(is_shorter, dot(way, way), least);
-      shortest = select(is_shorter, way, shortest);
-    }
-    return shortest;
-  }
-
-  /// What is in the box of some lane is nowhere farther than this, but for box_rounding_.
-  Real farthestInNearest(const SeenBoxes& seen, const WideNode& node) const {
-    const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
-    const LaneVector<Real> way =
-        magnitudesOf(wayToMiddles(seen, node)) + half * (seen.high - seen.low);
-    return rootOf(leastOf(dot(way, way))) * (1 + Real{kAxesShorter});
   }
 
   /// Goes down to a packet that is as near as can be told on the way, so that of the rest little
@@ -293,9 +199,10 @@ class Walk {
     PassedNode* passed = search_.room.passed;
     while ((set & kPacketBit) == 0) {
       const WideNode& node = nodes[set];
-      const SeenBoxes seen = boxesSeenIn(node);
-      const Lanes<Real> squares = squaresOf(seen, node);
-      const LaneVector<Real> way = wayToMiddles(seen, node);
+      search_.bounds += node.lane_count;
+      const auto seen = tip_.boxesSeenIn(node);
+      const Lanes<Real> squares = tip_.squaresOf(seen, node);
+      const LaneVector<Real> way = tip_.wayToMiddles(seen, node);
       const std::uint32_t lane =
           laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
       inFloats(squares).store(passed->squares.data());
@@ -335,12 +242,13 @@ class Walk {
   /// `kNearsReach`: nor does matter what is farther than all of some lane's set.
   template <bool kNearsReach>
   void open(const WideNode& node, Frontier& frontier) {
-    const SeenBoxes seen = boxesSeenIn(node);
+    search_.bounds += node.lane_count;
+    const auto seen = tip_.boxesSeenIn(node);
     if constexpr (kNearsReach) {
-      const Real reach = squaredReachOf(farthestInNearest(seen, node) + box_rounding_);
+      const Real reach = squaredReachOf(tip_.farthestInNearest(seen, node) + tip_.boxRounding());
       squared_reach_ = reach < squared_reach_ ? reach : squared_reach_;
     }
-    put(node, squaresOf(seen, node), frontier);
+    put(node, tip_.squaresOf(seen, node), frontier);
   }
 
   /// Those of a node's sets that matter are to wait.
@@ -385,33 +293,11 @@ class Walk {
     if (search_.followed != nullptr) note(packet, candidates_.boundsOf(squares));
   }
 
-  SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
-    Vector<Real> low, high;
-    const Real farthest = tipBox(
-        packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
-    rounding = roundingOf(farthest, packet.radius) + tip_rounding_ + Real{kPlaceRounding};
-    if constexpr (kIsPoint) {
-      return squaredDistanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
-    } else {
-      Vector<Real> tip[kCorners];
-      for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(tip_[i], packet.origin);
-      const Gap<Real> gap = gapToTriangles(tip, packet);
-      rounding = rounding + rounding;
-      return {gap.low * gap.low, gap.high * gap.high};
-    }
-  }
-
   /// The triangles to look at while there are leaves left: one after the other, the nearest box
   /// first, until no box is nearer than the best. None is farther than its `high`.
   Truth<Real> chosen(const TrianglePacket& packet, const Lanes<Real>& high, Real rounding) {
-    LaneVector<Real> least, most;
-    boxTriangles(packet, least, most);
-    Vector<Real> tip_low, tip_high;
-    tipBox(
-        packet.origin, [](const Vector<Real>& v) { return v; }, tip_low, tip_high);
     Real boxes[kLaneCount];
-    (root(squaredDistanceOf(least, most, tip_low, tip_high)) - Lanes<Real>::all(rounding))
-        .store(boxes);
+    (root(tip_.squaresToBoxesOfTriangles(packet)) - Lanes<Real>::all(rounding)).store(boxes);
     search_.bounds += packet.lane_count;
     alignas(kVectorBytes) float is_chosen[kLaneCount] = {};
     Real reach = reach_;
@@ -433,7 +319,7 @@ class Walk {
   Lanes<Real> scan(const TrianglePacket& packet) {
     if (candidates_.packetCount() == Candidates<Real>::kMost) makeRoom();
     Real rounding = 0;
-    const SquaredRange<Real> range = rangeOf(packet, rounding);
+    const SquaredRange<Real> range = tip_.rangeOf(packet, rounding);
     const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
     if (search_.sparing) {
@@ -487,12 +373,10 @@ class Walk {
   }
 
   Search& search_;
+  WalkingTip<Real, kCorners> tip_;
   Real share_, allowance_;  // the search's, rounded so that nothing more is left out
-  Vector<Real> tip_[kCorners];
-  Real tip_rounding_;                              // of its corners
-  Real box_rounding_;                              // of the distance to any box
-  Real reach_;                                     // what is farther is left out
-  Real squared_reach_;                             // a box with that
+  Real reach_;              // what is farther is left out
+  Real squared_reach_;      // a box with that
   Lanes<Real> boxes_left_out_ = infinite<Real>();  // the nearest of those, squared
   Candidates<Real> candidates_;
   float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
