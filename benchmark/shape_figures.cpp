@@ -191,7 +191,7 @@ void measureJaw(const CollisionMesh& organ, int count) {
     core::ContactTracker tracker;
     const auto times = timesOf(
         poses, [&] { tracker = core::ContactTracker(); },
-        [&](const Isometry3d& pose) { tracker.contact(organ, {}, jaw, pose); });
+        [&](const Isometry3d& pose) { tracker.contact(organ, 0.0, jaw, pose); });
     print("  followed", {times.begin() + 1, times.end()});  // the first is anew
   }
 }

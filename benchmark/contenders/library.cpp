@@ -55,7 +55,7 @@ auto nearestWithin(const Accuracy& accuracy, Sign sign = Sign::kProven) {
 auto nearestFollowed(Sign sign) {
   return [tracker = std::make_shared<core::Tracker>(), sign](const CollisionMesh& organ,
                                                              const Eigen::Vector3d& tip) {
-    return tracker->nearestTriangle(organ, {}, tip, sign);
+    return tracker->nearestTriangle(organ, 0.0, tip, sign);
   };
 }
 

@@ -3,6 +3,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -20,6 +21,12 @@ bool fits(const Box& box, const UnitFrame& frame) {
 
 bool isOnFace(const Eigen::Vector3d& point, const Box& box) {
   return (point.array() == box.low.array() || point.array() == box.high.array()).any();
+}
+
+/// Another one each time.
+std::uint64_t freshNumber() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 }  // namespace
@@ -44,7 +51,9 @@ CollisionMesh::CollisionMesh(Parts parts)
       topology_(std::move(parts.topology)),
       tree_(std::move(*parts.tree)),
       wide_tree_(tree_, mesh_, unitFrame(parts.box)),
-      health_() {
+      health_(),
+      splits_number_(freshNumber()),
+      positions_number_(freshNumber()) {
   updateHealth(parts.box);
 }
 
@@ -56,6 +65,7 @@ void CollisionMesh::refitAll(const Box& box) {
 
 void CollisionMesh::refit(Points positions) {
   const Box box = mesh_.setPositions(std::move(positions));
+  positions_number_ = freshNumber();
   refitAll(mesh_.usesAllVertices() ? box : boxOf(mesh_));
 }
 
@@ -102,6 +112,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     return isOnFace(mesh_.position(vertex), health_.box);
   });
   mesh_.move(moved, positions);
+  positions_number_ = freshNumber();
   if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
   Box box = on_face ? boxOf(mesh_) : health_.box;
@@ -123,8 +134,10 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
 }
 
 void CollisionMesh::rebuild() {
-  tree_ = FarthestPairTree(mesh_);
-  wide_tree_ = WideTree(tree_, mesh_, wide_tree_.frame());
+  FarthestPairTree tree(mesh_);
+  wide_tree_ = WideTree(tree, mesh_, wide_tree_.frame());
+  tree_ = std::move(tree);
+  splits_number_ = freshNumber();
 }
 
 std::size_t CollisionMesh::memory() const {

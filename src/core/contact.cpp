@@ -16,9 +16,8 @@ bool isPoint(const Triangle& core) { return core.a == core.b && core.b == core.c
 class Asker {
  public:
   explicit Asker(const CollisionMesh& organ) : organ_(organ) {}
-  Asker(const CollisionMesh& organ, const MeshMotion& motion, Tracker& tracker,
-        PairTracker& pair_tracker)
-      : organ_(organ), motion_(&motion), tracker_(&tracker), pair_tracker_(&pair_tracker) {}
+  Asker(const CollisionMesh& organ, double travel, Tracker& tracker, PairTracker& pair_tracker)
+      : organ_(organ), travel_(travel), tracker_(&tracker), pair_tracker_(&pair_tracker) {}
 
   const CollisionMesh& organ() const { return organ_; }
 
@@ -28,7 +27,7 @@ class Asker {
 
   NearestTriangle nearestToMesh(const RigidMesh& mesh, const Accuracy& accuracy) const {
     if (!follows(accuracy)) return nearestPair(*mesh.surface, mesh.pose, organ_, accuracy).nearest;
-    return pair_tracker_->nearestPair(*mesh.surface, {}, mesh.pose, organ_, *motion_).nearest;
+    return pair_tracker_->nearestPair(*mesh.surface, 0.0, mesh.pose, organ_, travel_).nearest;
   }
 
  private:
@@ -41,11 +40,11 @@ class Asker {
   template <class Tip>
   NearestTriangle nearest(const Tip& tip, const Accuracy& accuracy) const {
     if (!follows(accuracy)) return nearestTriangle(organ_, tip, accuracy);
-    return tracker_->nearestTriangle(organ_, *motion_, tip);
+    return tracker_->nearestTriangle(organ_, travel_, tip);
   }
 
   const CollisionMesh& organ_;
-  const MeshMotion* motion_ = nullptr;
+  const double travel_ = 0.0;  // [m]
   Tracker* tracker_ = nullptr;
   PairTracker* pair_tracker_ = nullptr;
 };
@@ -171,12 +170,12 @@ Contact contact(const CollisionMesh& organ, const Shapes& shapes,
   return contactOf(asker, shapes, organ_from_shapes, accuracy);
 }
 
-Contact ContactTracker::contact(const CollisionMesh& organ, const MeshMotion& motion,
-                                const Shapes& shapes, const Eigen::Isometry3d& organ_from_shapes,
+Contact ContactTracker::contact(const CollisionMesh& organ, double travel, const Shapes& shapes,
+                                const Eigen::Isometry3d& organ_from_shapes,
                                 const Accuracy& accuracy) {
   pieces_.resize(shapes.size());
   const auto asker = [&](std::size_t i) {
-    return Asker(organ, motion, pieces_[i].round, pieces_[i].mesh);
+    return Asker(organ, travel, pieces_[i].round, pieces_[i].mesh);
   };
   return contactOf(asker, shapes, organ_from_shapes, accuracy);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/mesh_state.h"
 #include "core/nearest_pair_search.h"
 
 namespace organ_collision::core {
@@ -15,7 +16,7 @@ struct PairTracker::Memory {
   bool knows_pair = false;
   FarthestPairTree::Leaf leaf_of_first = 0, leaf_of_second = 0;  // the nearest
   Eigen::Isometry3d pose;                                        // second_from_first
-  MeshMotion motion_of_first, motion_of_second;
+  MeshState first, second;
   double scale = 0.0;  // of the second's unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
 };
@@ -31,21 +32,20 @@ constexpr double kWorthSteps = 4.0;
 template <class Memory>
 class TrackedPairSearch : private NearestPairSearch {
  public:
-  TrackedPairSearch(const CollisionMesh& first_surface, const MeshMotion& motion_of_first,
+  TrackedPairSearch(const CollisionMesh& first_surface, double travel_of_first,
                     const Eigen::Isometry3d& pose, const CollisionMesh& second_surface,
-                    const MeshMotion& motion_of_second, Memory& memory)
+                    double travel_of_second, Memory& memory)
       : NearestPairSearch(first_surface, pose, second_surface, kExact),
-        motion_of_first_(motion_of_first),
-        motion_of_second_(motion_of_second),
+        first_state_(first_surface, travel_of_first),
+        second_state_(second_surface, travel_of_second),
         memory_(memory) {}
 
   /// Nothing where the surfaces meet, or are too far apart or too small to tell triangles apart.
   std::optional<NearestPair> run() {
     if (isTooFar() || areAllAlike()) return std::nullopt;
-    if (knowsPair()) {
-      const double step = this->step();
+    if (const std::optional<double> step = this->step()) {
       measure(memory_.leaf_of_first, memory_.leaf_of_second);
-      if (!follow(step)) walk(step);
+      if (!follow(*step)) walk(*step);
     } else {
       measureGreedily();
       memory_.slack = kFirstSlack / std::sqrt(static_cast<double>(second_.mesh().triangleCount()));
@@ -62,19 +62,15 @@ class TrackedPairSearch : private NearestPairSearch {
   /// Sizes of a triangle, of those that would fill the second's box, at first.
   static constexpr double kFirstSlack = 0.125;
 
-  /// Whether it still is what it was.
-  bool knowsPair() const {
-    return memory_.knows_pair && memory_.motion_of_first.build == motion_of_first_.build &&
-           memory_.motion_of_second.build == motion_of_second_.build &&
-           memory_.motion_of_first.travel <= motion_of_first_.travel &&
-           memory_.motion_of_second.travel <= motion_of_second_.travel &&
-           memory_.scale == second_.wideTree().frame().scale;
-  }
-
   /// How far the surfaces have moved towards each other at most, in the second's unit frame: no
-  /// point of a box moves farther than all its corners.
-  double step() const {
+  /// point of a box moves farther than all its corners. Nothing if that is not known.
+  std::optional<double> step() const {
     constexpr double kRounding = 1.0 + 0x1p-40;
+    const std::optional<double> of_first = first_state_.since(memory_.first);
+    const std::optional<double> of_second = second_state_.since(memory_.second);
+    if (!memory_.knows_pair || !of_first || !of_second ||
+        memory_.scale != second_.wideTree().frame().scale)
+      return std::nullopt;
     const Box& box = first_.health().box;
     double farthest = 0.0;
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -84,8 +80,7 @@ class TrackedPairSearch : private NearestPairSearch {
       farthest = std::max(farthest, (pose_ * at - memory_.pose * at).norm());
     }
     constexpr double kStretch = 1.0 + 0x1p-4;  // see requireRigid()
-    const double travel = kStretch * motion_of_first_.since(memory_.motion_of_first) +
-                          motion_of_second_.since(memory_.motion_of_second);
+    const double travel = kStretch * *of_first + *of_second;
     // Where the corners are is off by as much as where triangles are, before and after.
     return (farthest + travel) * kRounding * memory_.scale + 4 * rounding;
   }
@@ -103,6 +98,7 @@ class TrackedPairSearch : private NearestPairSearch {
 
   void walk(double step) {
     FollowedPairs& near = memory_.followed;
+    memory_.knows_pair = false;  // should a search throw
     near.count = 0;
     near.clear = unopened = std::numeric_limits<double>::infinity();
     if (best > 0.0) measureToAndFro();
@@ -124,13 +120,12 @@ class TrackedPairSearch : private NearestPairSearch {
     memory_.leaf_of_first = best_leaves_.first;
     memory_.leaf_of_second = best_leaves_.second;
     memory_.pose = pose_;
-    memory_.motion_of_first = motion_of_first_;
-    memory_.motion_of_second = motion_of_second_;
+    memory_.first = first_state_;
+    memory_.second = second_state_;
     memory_.scale = second_.wideTree().frame().scale;
   }
 
-  const MeshMotion& motion_of_first_;
-  const MeshMotion& motion_of_second_;
+  const MeshState first_state_, second_state_;
   Memory& memory_;
 };
 
@@ -141,14 +136,13 @@ PairTracker::~PairTracker() = default;
 PairTracker::PairTracker(PairTracker&&) noexcept = default;
 PairTracker& PairTracker::operator=(PairTracker&&) noexcept = default;
 
-NearestPair PairTracker::nearestPair(const CollisionMesh& first, const MeshMotion& motion_of_first,
+NearestPair PairTracker::nearestPair(const CollisionMesh& first, double travel_of_first,
                                      const Eigen::Isometry3d& second_from_first,
-                                     const CollisionMesh& second,
-                                     const MeshMotion& motion_of_second) {
+                                     const CollisionMesh& second, double travel_of_second) {
   requireRigid(second_from_first);
   if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
   const std::optional<NearestPair> pair =
-      TrackedPairSearch(first, motion_of_first, second_from_first, second, motion_of_second,
+      TrackedPairSearch(first, travel_of_first, second_from_first, second, travel_of_second,
                         *memory_)
           .run();
   memory_->knows_pair = pair.has_value();

@@ -102,8 +102,8 @@ Proximity proximity(const Shape& first, const Shape& second, const Accuracy& acc
       });
 }
 
-Proximity ProximityTracker::proximity(const Shape& first, const MeshMotion& motion_of_first,
-                                      const Shape& second, const MeshMotion& motion_of_second,
+Proximity ProximityTracker::proximity(const Shape& first, double travel_of_first,
+                                      const Shape& second, double travel_of_second,
                                       const Accuracy& accuracy) {
   // Who asks for a number of leaves is to get what they find, not more.
   if (accuracy.max_leaves != 0) return core::proximity(first, second, accuracy);
@@ -111,8 +111,8 @@ Proximity ProximityTracker::proximity(const Shape& first, const MeshMotion& moti
   return between(
       first, second, accuracy,
       [&](const RigidMesh& one, const Isometry3d& other_from_one, const RigidMesh& other) {
-        return pair_.nearestPair(*one.surface, motion_of_first, other_from_one, *other.surface,
-                                 motion_of_second);
+        return pair_.nearestPair(*one.surface, travel_of_first, other_from_one, *other.surface,
+                                 travel_of_second);
       });
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/mesh_state.h"
 #include "core/nearest_search.h"
 
 namespace organ_collision::core {
@@ -39,11 +40,11 @@ class Tracker::Patience {
 
 /// Of the last query.
 struct Tracker::Memory {
-  Followed followed;  // in the unit frame, of the hierarchy of `motion`; perhaps nothing
+  Followed followed;  // in the unit frame, of the splits of `organ`; perhaps nothing
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
-  MeshMotion motion;
+  MeshState organ;
   double scale = 0.0;  // of the unit frame
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
   std::optional<SurfaceNormal> normal;
@@ -60,9 +61,11 @@ constexpr std::uint32_t kManyPackets = 16;
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
  public:
-  TrackedSearch(const CollisionMesh& organ, const Tip& tip, const MeshMotion& motion,
-                Memory& memory)
-      : NearestSearch<Tip>(organ, tip, kExact), motion_(motion), memory_(memory) {}
+  TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Memory& memory)
+      : NearestSearch<Tip>(organ, tip, kExact),
+        state_(organ, travel),
+        memory_(memory),
+        step_(step()) {}
 
   NearestTriangle run(Sign sign) {
     if (!(this->farthest < kFar)) {  // what was followed is as far away as it was
@@ -82,9 +85,9 @@ class TrackedSearch : private NearestSearch<Tip> {
     }
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
+    remember();  // before anything may throw
     if (sign == Sign::kProven)
       addSign(this->organ_, this->tip_.corners().front(), normalAt(nearest), nearest);
-    remember();
     return nearest;
   }
 
@@ -94,28 +97,29 @@ class TrackedSearch : private NearestSearch<Tip> {
   /// Sizes of a triangle, of those that would fill the organ's box, at first.
   static constexpr double kFirstSlack = 4.0;
 
-  /// How far tip and mesh have moved towards each other at most, in the unit frame.
-  double step() const {
+  /// How far tip and mesh have moved towards each other at most, in the unit frame; nothing if that
+  /// is not known.
+  std::optional<double> step() const {
     constexpr double kRoundoff = 0x1p-53;
+    const std::optional<double> travel = state_.since(memory_.organ);
+    if (!travel || memory_.corner_count != this->tip_.corners().size()) return std::nullopt;
     double tip_step = 0.0;
     const auto now = this->tip_.corners();
     for (std::size_t i = 0; i < now.size(); ++i)
       tip_step = std::max(tip_step, (now[i] - memory_.corners[i]).norm());
-    return (tip_step + motion_.since(memory_.motion)) * (1 + 8 * kRoundoff) * this->scale_;
+    return (tip_step + *travel) * (1 + 8 * kRoundoff) * this->scale_;
   }
 
   bool follows() const {
-    return memory_.followed.count > 0 && memory_.motion.build == motion_.build &&
-           memory_.motion.travel <= motion_.travel && memory_.scale == this->scale_ &&
-           memory_.corner_count == this->tip_.corners().size();
+    return memory_.followed.count > 0 && step_ && memory_.scale == this->scale_;
   }
 
   /// Whether the packets that are followed were enough.
   bool follow() {
     constexpr double kKept = 1 - 0x1p-40;  // rounding takes less from sums of steps
     Followed& near = memory_.followed;
-    near.drift += this->step();
-    if (motion_.travel != memory_.motion.travel) near.tied_vertex = kNoVertex;
+    near.drift += *step_;
+    if (!state_.hasPositionsOf(memory_.organ)) near.tied_vertex = kNoVertex;
     if (!(near.drift < near.clear * kKept)) return false;
     this->followed = &near;
     kernels().follow(*this);
@@ -134,9 +138,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   /// Of a tip that is near where it was, most is farther than what was nearest.
   void startFromLast() {
     const FarthestPairTree::Leaf last = memory_.followed.nearest;
-    if (last == kNoLeaf || memory_.motion.build != motion_.build ||
-        memory_.corner_count != this->tip_.corners().size() || !(step() <= memory_.slack))
-      return;
+    if (last == kNoLeaf || !step_ || !(*step_ <= memory_.slack)) return;
     if (this->best_leaf == kNoLeaf) this->measure(last);
     this->dives = false;
   }
@@ -167,9 +169,8 @@ class TrackedSearch : private NearestSearch<Tip> {
   }
 
   bool isNormalKnown(const NearestTriangle& nearest) const {
-    return memory_.normal && memory_.motion.build == motion_.build &&
-           memory_.motion.travel == motion_.travel && memory_.triangle == nearest.triangle &&
-           memory_.feature == nearest.closest.feature;
+    return memory_.normal && state_.hasPositionsOf(memory_.organ) &&
+           memory_.triangle == nearest.triangle && memory_.feature == nearest.closest.feature;
   }
 
   void remember() {
@@ -177,12 +178,13 @@ class TrackedSearch : private NearestSearch<Tip> {
     std::copy(now.begin(), now.end(), memory_.corners.begin());
     memory_.corner_count = now.size();
     memory_.followed.nearest = this->best_leaf;
-    memory_.motion = motion_;
+    memory_.organ = state_;
     memory_.scale = this->scale_;
   }
 
-  const MeshMotion& motion_;
+  const MeshState state_;
   Memory& memory_;
+  const std::optional<double> step_;
 };
 
 }  // namespace
@@ -192,16 +194,16 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return TrackedSearch(organ, PointTip(tip), motion, *memory_).run(sign);
+  return TrackedSearch(organ, PointTip(tip), travel, *memory_).run(sign);
 }
 
-NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, const MeshMotion& motion,
+NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return TrackedSearch(organ, TriangleTip(tip), motion, *memory_).run(sign);
+  return TrackedSearch(organ, TriangleTip(tip), travel, *memory_).run(sign);
 }
 
 }  // namespace organ_collision::core

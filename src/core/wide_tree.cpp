@@ -234,9 +234,11 @@ HealthTally WideTree::fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit
 
 void WideTree::refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
                      const std::vector<TriangleId>& touched) {
-  for (const VertexId vertex : moved) place(mesh, index(vertex), index(vertex) + 1);
   std::vector<std::uint32_t> packets;
   std::vector<std::uint32_t> nodes;
+  packets.reserve(touched.size());  // nothing is changed yet, should there be no memory
+  nodes.reserve(std::min(touched.size() * levels_.size(), nodes_.size()));
+  for (const VertexId vertex : moved) place(mesh, index(vertex), index(vertex) + 1);
   const auto touch = [this](std::vector<std::uint32_t>& list, std::uint32_t number,
                             std::size_t place) {
     if (touched_[place]) return false;

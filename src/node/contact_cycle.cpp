@@ -50,7 +50,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ro
   found.nearest.lower_bound = std::sqrt(squaredDistance(box, snapshot->organ.health().box));
   found.nearest.tip_point = pose.secondFromFirst().translation();
   if (found.nearest.lower_bound <= scene_.max_distance) {
-    found = tracked.tracker.contact(snapshot->organ, snapshot->motion(), instrument.shapes,
+    found = tracked.tracker.contact(snapshot->organ, snapshot->travel, instrument.shapes,
                                     pose.secondFromFirst(), accuracy);
     organ.account(found.nearest, accuracy);
   }

@@ -74,7 +74,7 @@ Proximity ProximityCycle::measure(Tracked& tracked, const core::Accuracy& accura
   const core::Shape organ = core::transformed(shapeOf(snapshot), pose);
   const core::Shape other = shapeOf(other_snapshot);
   return unlessFar(tracked, core::boxOf(organ), core::boxOf(other), [&] {
-    return tracked.tracker.proximity(organ, snapshot->motion(), other, other_snapshot->motion(),
+    return tracked.tracker.proximity(organ, snapshot->travel, other, other_snapshot->travel,
                                      accuracy);
   });
 }

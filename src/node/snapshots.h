@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "organ_collision/core/collision_mesh.h"
-#include "organ_collision/core/tracking.h"
 
 namespace organ_collision::node {
 
@@ -24,8 +23,6 @@ struct OrganSnapshot {
   std::uint64_t hierarchy = 1;  ///< number of the build that its splits come from
   double travel = 0.0;  ///< [m] sum, over the versions since, of the farthest that a vertex moved;
                         ///< rounded up
-
-  core::MeshMotion motion() const { return {hierarchy, travel}; }
 };
 
 /// The state that queries read, and former ones to write the next one into: to bring a former one

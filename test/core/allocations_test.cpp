@@ -1,10 +1,13 @@
-// What is asked in every cycle allocates nothing once the thread has seen its widest search.
+// What is asked in every cycle allocates nothing once the thread has seen its widest search. Where
+// memory runs out, no answer is wrong afterwards.
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <random>
+#include <thread>
 
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/nearest_pair.h"
@@ -13,12 +16,20 @@
 #include "test_meshes.h"
 
 namespace {
+
 thread_local std::size_t allocations = 0;
+thread_local std::size_t allowed_allocations = std::numeric_limits<std::size_t>::max();
+
+void countAllocation() {
+  if (allocations >= allowed_allocations) throw std::bad_alloc();
+  ++allocations;
+}
+
 }  // namespace
 
 // Not inlined, or gcc finds free() where it expects delete.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
+  countAllocation();
   void* const memory = std::malloc(size);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
@@ -28,7 +39,7 @@ thread_local std::size_t allocations = 0;
   return std::malloc(size);
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
+  countAllocation();
   const auto unit = static_cast<std::size_t>(alignment);
   void* const memory = std::aligned_alloc(unit, (size + unit - 1) / unit * unit);
   if (memory == nullptr) throw std::bad_alloc();
@@ -99,8 +110,8 @@ TEST(Allocations, AreNotMadeByFollowingATip) {
   Tracker of_points;
   Tracker of_triangles;
   EXPECT_EQ(allocationsOf([&](const Vector3d& tip) {
-              of_points.nearestTriangle(organ, {}, tip);
-              of_triangles.nearestTriangle(organ, {}, triangleAt(tip));
+              of_points.nearestTriangle(organ, 0.0, tip);
+              of_triangles.nearestTriangle(organ, 0.0, triangleAt(tip));
             }),
             0);
 }
@@ -112,8 +123,116 @@ TEST(Allocations, AreNotMadeByPairsOfSurfaces) {
   EXPECT_EQ(allocationsOf([&](const Vector3d& tip) {
               const Isometry3d pose(Translation3d(tip + Vector3d(0, 0, 2.5)));
               nearestPair(first, pose, second);
-              tracker.nearestPair(first, {}, pose, second, {});
+              tracker.nearestPair(first, 0.0, pose, second, 0.0);
             }),
+            0);
+}
+
+/// Calls `act` again and again, each time in a thread of its own that is refused memory from one
+/// allocation later on, and each time `check`, in the same thread; until it succeeds. Returns how
+/// often it failed.
+template <class Prepare, class Act, class Check>
+std::size_t failuresSurvived(const Prepare& prepare, const Act& act, const Check& check) {
+  for (std::size_t granted = 0;; ++granted) {
+    bool succeeds = false;
+    std::thread([&] {
+      auto state = prepare();
+      allowed_allocations = allocations + granted;
+      try {
+        act(state);
+        succeeds = true;
+      } catch (const std::bad_alloc&) {
+      }
+      allowed_allocations = std::numeric_limits<std::size_t>::max();
+      check(state);
+    }).join();
+    if (succeeds || testing::Test::HasFailure()) return granted;
+  }
+}
+
+void expectSame(const NearestTriangle& found, const NearestTriangle& expected) {
+  EXPECT_EQ(found.triangle, expected.triangle);
+  EXPECT_EQ(found.distance, expected.distance);
+  EXPECT_EQ(found.lower_bound, expected.lower_bound);
+}
+
+/// Of two parts: the sides of tips are counted.
+TriangleMesh twoParts() {
+  return test::joined(test::blob(4), test::placed(test::cube(), 0.02, {0.2, 0, 0}));
+}
+
+TEST(OutOfMemory, LeavesATrackerRight) {
+  const CollisionMesh organ(twoParts());
+  const Points tips = someTips();
+  std::size_t failures = 0;
+  for (std::size_t i = 1; i < tips.size(); ++i) {
+    const Vector3d before = 0.3 * tips[i];
+    const Vector3d after = before + 0.2 * tips[i - 1];
+    failures += failuresSurvived(
+        [&] {
+          Tracker tracker;
+          std::thread([&] { tracker.nearestTriangle(organ, 0.0, before); }).join();
+          return tracker;
+        },
+        [&](Tracker& tracker) { tracker.nearestTriangle(organ, 0.0, after); },
+        [&](Tracker& tracker) {
+          for (int k = 0; k < 20; ++k) {
+            const Vector3d tip = before + Vector3d(0.002 * k, 0, 0);
+            expectSame(tracker.nearestTriangle(organ, 0.0, tip), nearestTriangle(organ, tip));
+          }
+        });
+  }
+  EXPECT_GT(failures, 0);
+}
+
+TEST(OutOfMemory, LeavesAPairTrackerRight) {
+  const CollisionMesh first(test::blob(3));
+  const CollisionMesh second(test::blob(3));
+  const Isometry3d before(Translation3d(2.5, 0, 0));
+  const Isometry3d after(Translation3d(0, 2.5, 0.1));
+  const std::size_t failures = failuresSurvived(
+      [&] {
+        PairTracker tracker;
+        std::thread([&] { tracker.nearestPair(first, 0.0, before, second, 0.0); }).join();
+        return tracker;
+      },
+      [&](PairTracker& tracker) { tracker.nearestPair(first, 0.0, after, second, 0.0); },
+      [&](PairTracker& tracker) {
+        expectSame(tracker.nearestPair(first, 0.0, after, second, 0.0).nearest,
+                   nearestPair(first, after, second).nearest);
+      });
+  EXPECT_GT(failures, 0);
+}
+
+/// Other splits may name another of several triangles that are equally near.
+void expectDistancesOf(const CollisionMesh& organ, const CollisionMesh& expected) {
+  for (const Vector3d& tip : someTips())
+    ASSERT_EQ(nearestTriangle(organ, tip).distance, nearestTriangle(expected, tip).distance);
+}
+
+TEST(OutOfMemory, LeavesAMeshThatIsToBeRebuiltAsItWas) {
+  CollisionMesh organ(test::blob(3));
+  Points positions = organ.mesh().positions();
+  for (Vector3d& position : positions) position.z() *= 0.1;  // then it is split otherwise
+  organ.refit(positions);
+  EXPECT_GT(failuresSurvived([&] { return organ; }, [](CollisionMesh& mesh) { mesh.rebuild(); },
+                             [&](const CollisionMesh& mesh) { expectDistancesOf(mesh, organ); }),
+            0);
+}
+
+TEST(OutOfMemory, LeavesAMeshThatARefitPutsRightWhenItIsRepeated) {
+  const CollisionMesh organ(test::blob(3));
+  CollisionMesh expected = organ;
+  const std::vector<VertexId> moved = {VertexId{0}, VertexId{7}};
+  const Points positions = {1.1 * organ.mesh().position(moved[0]),
+                            0.9 * organ.mesh().position(moved[1])};
+  expected.refit(moved, positions);
+  const auto refit = [&](CollisionMesh& mesh) { mesh.refit(moved, positions); };
+  EXPECT_GT(failuresSurvived([&] { return organ; }, refit,
+                             [&](CollisionMesh& mesh) {
+                               refit(mesh);
+                               expectDistancesOf(mesh, expected);
+                             }),
             0);
 }
 

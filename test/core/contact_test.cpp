@@ -163,7 +163,7 @@ TEST(ContactTracker, FollowsAllPiecesAsIfItAskedAnew) {
     pose = pose * test::randomPose(generator, 0.0);
     pose.translation() += test::randomPoint(generator, i % 50 == 0 ? 0.1 : 0.001);
     for (const Accuracy& accuracy : {Accuracy::exact(), Accuracy::greedy()}) {
-      const Contact tracked = tracker.contact(organ, {}, shapes, pose, accuracy);
+      const Contact tracked = tracker.contact(organ, 0.0, shapes, pose, accuracy);
       const Contact asked = contact(organ, shapes, pose, accuracy);
       ASSERT_EQ(tracked.nearest.distance, asked.nearest.distance);
       ASSERT_EQ(tracked.nearest.lower_bound, asked.nearest.lower_bound);
@@ -176,7 +176,7 @@ TEST(ContactTracker, FollowsAllPiecesAsIfItAskedAnew) {
 
 TEST(ContactTracker, RefusesAnAccuracyBelowZero) {
   const CollisionMesh cube(test::cube());
-  EXPECT_THROW(ContactTracker().contact(cube, {}, {Vector3d(0, 0, 3)},
+  EXPECT_THROW(ContactTracker().contact(cube, 0.0, {Vector3d(0, 0, 3)},
                                         Eigen::Isometry3d::Identity(), {0, -1.0, 0}),
                std::invalid_argument);
 }

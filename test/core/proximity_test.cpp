@@ -137,7 +137,7 @@ TEST(Proximity, RefusesWhatIsNotUsable) {
   EXPECT_THROW(proximity(unusable, point), std::invalid_argument);
   EXPECT_THROW(proximity(point, unusable), std::invalid_argument);
   EXPECT_THROW(
-      ProximityTracker().proximity(cubeAt({0, 0, 0}), {}, cubeAt({5, 0, 0}), {}, {-1.0, 0, 0}),
+      ProximityTracker().proximity(cubeAt({0, 0, 0}), 0.0, cubeAt({5, 0, 0}), 0.0, {-1.0, 0, 0}),
       std::invalid_argument);
 }
 
@@ -241,7 +241,7 @@ TEST(ProximityTracker, FollowsAsIfItAskedAnew) {
     for (const Accuracy& accuracy : {Accuracy::exact(), Accuracy::greedy()}) {
       const RigidMesh first = {mesh, pose};
       const RigidMesh second = {mesh, Isometry3d::Identity()};
-      const Proximity followed = of_meshes.proximity(first, {}, second, {}, accuracy);
+      const Proximity followed = of_meshes.proximity(first, 0.0, second, 0.0, accuracy);
       const Proximity asked = proximity(first, second, accuracy);
       ASSERT_EQ(followed.distance, asked.distance);
       ASSERT_EQ(followed.lower_bound, asked.lower_bound);
@@ -249,7 +249,7 @@ TEST(ProximityTracker, FollowsAsIfItAskedAnew) {
       ASSERT_EQ(followed.triangle_of_first, asked.triangle_of_first);
       ASSERT_EQ(followed.colliding_certain, asked.colliding_certain);
       apart += asked.distance > 0.0 ? 1 : 0;
-      ASSERT_EQ(of_a_mesh.proximity(capsule, {}, first, {}, accuracy).distance,
+      ASSERT_EQ(of_a_mesh.proximity(capsule, 0.0, first, 0.0, accuracy).distance,
                 proximity(capsule, first, accuracy).distance);
     }
   }

@@ -9,6 +9,7 @@
 
 #include "node/cube_organ.h"
 #include "node/moves.h"
+#include "organ_collision/core/tracking.h"
 #include "test_meshes.h"
 
 namespace organ_collision::node {
@@ -71,7 +72,7 @@ TEST(Organ, TellsATrackerHowFarItsVerticesMovedAndWhenItsSplitsAreOthers) {
       organ.update({{vertex}, {to}}, i % 10 == 9 ? UpdateMode::kRebuild : UpdateMode::kRefit, 0);
     }
     const std::shared_ptr<const OrganSnapshot> now = organ.snapshot();
-    const core::NearestTriangle tracked = tracker.nearestTriangle(now->organ, now->motion(), tip);
+    const core::NearestTriangle tracked = tracker.nearestTriangle(now->organ, now->travel, tip);
     const core::NearestTriangle searched = core::nearestTriangle(now->organ, tip);
     ASSERT_EQ(tracked.distance, searched.distance);
     ASSERT_EQ(tracked.triangle, searched.triangle);

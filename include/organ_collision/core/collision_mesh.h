@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -30,7 +31,7 @@ class CollisionMesh {
 
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
   /// std::invalid_argument and changes nothing if the positions do not fit the mesh (see
-  /// TriangleMesh::setPositions()).
+  /// TriangleMesh::setPositions()). After std::bad_alloc it must be repeated.
   void refit(Points positions);
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
@@ -39,10 +40,16 @@ class CollisionMesh {
   /// O(n).
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
-  /// Splits anew for the positions as they are. O(n log n).
+  /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing.
+  /// O(n log n).
   void rebuild();
 
   std::size_t memory() const;  ///< [bytes] of mesh, hierarchy and topology
+
+  /// Numbers that only copies have in common, never 0: of the splits, another one after rebuild(),
+  /// and of the positions, another one after refit().
+  std::uint64_t splitsNumber() const { return splits_number_; }
+  std::uint64_t positionsNumber() const { return positions_number_; }
 
  private:
   struct Parts;
@@ -60,6 +67,7 @@ class CollisionMesh {
   WideTree wide_tree_;
   std::size_t parted_corners_ = 0;
   MeshHealth health_;
+  std::uint64_t splits_number_, positions_number_;
 };
 
 }  // namespace organ_collision::core

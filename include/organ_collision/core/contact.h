@@ -39,8 +39,8 @@ Contact contact(const CollisionMesh& organ, const Shapes& shapes,
 class ContactTracker {
  public:
   /// The same as the function of that name gives, each time from what the last one learnt. Answers
-  /// are exact where `accuracy` limits errors only. `organ` is at `motion`.
-  Contact contact(const CollisionMesh& organ, const MeshMotion& motion, const Shapes& shapes,
+  /// are exact where `accuracy` limits errors only. For `travel` see Tracker::nearestTriangle().
+  Contact contact(const CollisionMesh& organ, double travel, const Shapes& shapes,
                   const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
  private:

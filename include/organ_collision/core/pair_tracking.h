@@ -18,12 +18,12 @@ class PairTracker {
   PairTracker(PairTracker&&) noexcept;
   PairTracker& operator=(PairTracker&&) noexcept;
 
-  /// The same as the function of that name gives, bit for bit but for `work`. The surfaces are at
-  /// their motions. Throws as that does. Allocates the first time, and until the
-  /// thread has seen its widest search.
-  NearestPair nearestPair(const CollisionMesh& first, const MeshMotion& motion_of_first,
+  /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
+  /// Allocates the first time, and until the thread has seen its widest search. For `travel` see
+  /// Tracker::nearestTriangle().
+  NearestPair nearestPair(const CollisionMesh& first, double travel_of_first,
                           const Eigen::Isometry3d& second_from_first, const CollisionMesh& second,
-                          const MeshMotion& motion_of_second);
+                          double travel_of_second);
 
  private:
   struct Memory;

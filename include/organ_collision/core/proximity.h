@@ -33,9 +33,9 @@ Proximity proximity(const Shape& first, const Shape& second, const Accuracy& acc
 class ProximityTracker {
  public:
   /// The same as the function of that name gives, each time from what the last one learnt; of two
-  /// meshes exact where `accuracy` limits errors only. They are at their motions.
-  Proximity proximity(const Shape& first, const MeshMotion& motion_of_first, const Shape& second,
-                      const MeshMotion& motion_of_second, const Accuracy& accuracy = {});
+  /// meshes exact where `accuracy` limits errors only. For `travel` see Tracker::nearestTriangle().
+  Proximity proximity(const Shape& first, double travel_of_first, const Shape& second,
+                      double travel_of_second, const Accuracy& accuracy = {});
 
  private:
   PairTracker pair_;
