@@ -20,9 +20,10 @@ double stretchOf(const Matrix3d& linear) {
 void requireRigid(const Isometry3d& pose) {
   constexpr double kMost = 0x1p-4;  // more than tf lets pass
   const double stretch = stretchOf(pose.linear());
-  if (stretch <= kMost && pose.translation().allFinite()) return;
-  throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
-                              " or is not finite: it must be rigid");
+  if (!(stretch <= kMost))
+    throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
+                                ": it must be rigid");
+  requireUsable(pose.translation(), "translation", 0);
 }
 
 AffineMap affineMap(const Matrix3d& linear, const Vector3d& offset) {

@@ -336,8 +336,12 @@ class PairWalk {
   PairCandidate promised_pair_ = {};
 };
 
+/// Then squares do not overflow in single precision.
 inline bool isNear(const PairSearch& search) {
-  constexpr double kFarSeenFromFirst = 0x1p40;  // squares do not overflow in single precision
+  constexpr double kFarSeenFromFirst = 0x1p40;
+  constexpr double kMostTimesLarger = 0x1p40;
+  if (!(search.largest_scale < kMostTimesLarger && search.least_scale * kMostTimesLarger > 1.0))
+    return false;
   for (int axis = 0; axis < 3; ++axis) {
     if (!(magnitudeOf(search.second_from_first.offset[axis]) < kFar) ||
         !(magnitudeOf(search.first_from_second.offset[axis]) < kFarSeenFromFirst))

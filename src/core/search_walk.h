@@ -349,7 +349,7 @@ class Walk {
 
   void makeRoom() {
     decide();
-    candidates_.dropBeyond(reach_);
+    candidates_.dropBeyond(reachOfCandidates());
     if (candidates_.packetCount() > Candidates<Real>::kMost / 2) measureCandidates();
   }
 
@@ -358,11 +358,16 @@ class Walk {
   void measureCandidates() {
     decide();
     typename Candidates<Real>::Leaves leaves;
-    const std::uint32_t count = candidates_.takeWithin(reach_, leaves);
+    const std::uint32_t count = candidates_.takeWithin(reachOfCandidates(), leaves);
     std::uint32_t first = search_.best_leaf;
     if (promised_) measure(first = promised_leaf_);
     for (std::uint32_t i = 0; i < count; ++i)
       if (leaves[i] != first) measure(leaves[i]);
+  }
+
+  /// Of few leaves no errors are allowed besides: more of them never make an answer worse.
+  Real reachOfCandidates() const {
+    return search_.sparing ? static_cast<Real>(search_.best) : reach_;
   }
 
   double measure(std::uint32_t leaf) {

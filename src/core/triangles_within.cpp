@@ -28,8 +28,9 @@ void forEachNear(const WideTree& tree, const Eigen::Vector3d& point, double radi
   constexpr double kLargestOfTree = 8.0;  // the sum of three, each below 2
   const double coordinates = unit_point.lpNorm<1>() + kLargestOfTree;
   const double reach = radius * tree.frame().scale + kRounding * coordinates;
-  const auto is_near = [&](const Box& box) {
-    return std::sqrt(squaredDistance(box, unit_point)) <= reach;
+  constexpr double kBeyond = 0x1p400;  // there squares could overflow
+  const auto is_near = [&, all = !(coordinates < kBeyond)](const Box& box) {
+    return all || std::sqrt(squaredDistance(box, unit_point)) <= reach;
   };
   forEachLeaf(tree, is_near, look_at);
 }

@@ -80,6 +80,25 @@ TEST(Accuracy, MoreLeavesAreNeverWorse) {
   }
 }
 
+TEST(Accuracy, MoreLeavesAreNeverWorseWhereAnErrorIsAllowedBesides) {
+  std::mt19937 generator(16);
+  for (const CollisionMesh& organ : organs()) {
+    const double size = (organ.health().box.high - organ.health().box.low).maxCoeff();
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d start = randomTip(generator, organ);
+      const Eigen::Vector3d end = randomTip(generator, organ);
+      const double error = size * std::ldexp(1.0, -static_cast<int>(generator() % 8));
+      double last = std::numeric_limits<double>::infinity();
+      for (std::uint32_t leaves = 1; leaves <= 24; ++leaves) {
+        const NearestTriangle nearest =
+            nearestTriangle(organ, Triangle{start, end, end}, {0, error, leaves});
+        ASSERT_LE(std::abs(nearest.distance), last);
+        last = std::abs(nearest.distance);
+      }
+    }
+  }
+}
+
 TEST(Accuracy, AnErrorThatIsAllowedIsUsedToStopEarly) {
   const CollisionMesh organ(test::blob(5));
   const Eigen::Vector3d far(0.3, 0.2, 0.4);

@@ -229,6 +229,35 @@ TEST(NearestPair, OfSurfacesOfUnlikeSizesEqualsBruteForceBitForBit) {
   }
 }
 
+/// A triangle astray makes a surface so large that single precision knows its squares no more.
+TEST(NearestPair, OfASurfaceWithATriangleAstrayEqualsBruteForceBitForBit) {
+  std::mt19937 generator(97);
+  const CollisionMesh tool(test::blob(1));
+  for (const int exponent : {30, 45, 70, 130, 200, 450}) {
+    const double far = std::ldexp(1.0, exponent);
+    Points points = test::blob(2).positions();
+    std::vector<Corners> triangles = test::blob(2).triangles();
+    const std::size_t first = points.size();
+    for (int i = 0; i < 3; ++i) {
+      Vector3d corner(far, far, far);
+      corner[i] = -far;
+      points.push_back(corner);
+    }
+    triangles.push_back(test::corners(first, first + 1, first + 2));
+    const CollisionMesh organ(TriangleMesh(std::move(points), std::move(triangles)));
+    for (int i = 0; i < 10; ++i) {
+      const Isometry3d pose = test::randomPose(generator, 0.7);
+      ASSERT_EQ(std::abs(nearestPair(tool, pose, organ).nearest.distance),
+                std::abs(truth(tool, pose, organ)))
+          << exponent;
+      const Isometry3d back = pose.inverse();
+      ASSERT_EQ(std::abs(nearestPair(organ, back, tool).nearest.distance),
+                std::abs(truth(organ, back, tool)))
+          << exponent;
+    }
+  }
+}
+
 /// Hierarchies of many levels, with nodes and packets side by side in every node.
 TEST(NearestPair, OfDeepHierarchiesEqualsBruteForceBitForBit) {
   std::mt19937 generator(84);
@@ -335,6 +364,8 @@ TEST(NearestPair, RefusesAPoseThatIsNotRigid) {
   pose.linear() *= 2.0;
   EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
   pose = at(0, 0, std::numeric_limits<double>::infinity());
+  EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
+  pose = at(0, 0, 1e155);  // its square overflows
   EXPECT_THROW(nearestPair(cube, pose, cube), std::invalid_argument);
   pose = at(0, 0, 3);
   pose.linear()(1, 1) = std::numeric_limits<double>::quiet_NaN();

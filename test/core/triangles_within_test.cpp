@@ -65,6 +65,12 @@ TEST(TrianglesWithin, AreThoseThatBruteForceFindsNearestFirst) {
   }
 }
 
+TEST(TrianglesWithin, AreFoundFromSoFarAwayThatSquaresOfAMeshsSizesOverflow) {
+  const CollisionMesh speck(test::cube(1e-80));
+  EXPECT_EQ(trianglesWithin(speck, {1e85, 0, 0}, 2e85).triangles.size(), 12);
+  EXPECT_EQ(trianglesWithin(speck, {1e85, 0, 0}, 0.5e85).triangles.size(), 0);
+}
+
 TEST(TrianglesWithin, RefusesWhatItCannotAnswer) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
