@@ -53,10 +53,22 @@ std::string refusalOf(const TransformStamped& transform, const std::string& publ
 
 }  // namespace
 
-/// Notes it if it is new.
-bool TransformIntake::isKnownAs(const std::string& frame, bool is_static) {
+/// What tf has that does not go with it, or nothing; then it is noted. tf2 itself would tell no
+/// more than the console, each time.
+std::string TransformIntake::conflictOf(const TransformStamped& transform, bool is_static) {
+  const std::string& frame = transform.child_frame_id;
   const std::string name = frame.substr(frame.front() == '/' ? 1 : 0);  // as tf2 has it
-  return is_static_.try_emplace(name, is_static).first->second == is_static;
+  Known& known = known_.try_emplace(name, Known{is_static, ros::Time()}).first->second;
+  if (known.is_static != is_static)
+    return std::string("it was on ") + (is_static ? "/tf" : "/tf_static") +
+           " before; if that was a mistake, start this node anew";
+  if (is_static) return "";
+  const ros::Time& stamp = transform.header.stamp;
+  if (stamp == known.newest) return "tf has one of that time already: does a clock stand still?";
+  if (known.newest.toSec() - stamp.toSec() > buffer_.getCacheLength().toSec())
+    return "it is older than what tf keeps";
+  known.newest = std::max(known.newest, stamp);
+  return "";
 }
 
 std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std::string& publisher,
@@ -66,14 +78,13 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     refusal = "time jumped back by " + std::to_string(last_.toSec() - now.toSec()) +
               " s: what tf said before is forgotten";
     buffer_.clear();  // but for static transforms
+    for (auto& [name, known] : known_) known.newest = ros::Time();
   }
   last_ = now;
   for (TransformStamped transform : message.transforms) {
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
-    if (fault.empty() && !isKnownAs(transform.child_frame_id, is_static))
-      fault = std::string("it was on ") + (is_static ? "/tf" : "/tf_static") +
-              " before; if that was a mistake, start this node anew";
+    if (fault.empty()) fault = conflictOf(transform, is_static);
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);

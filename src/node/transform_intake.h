@@ -16,7 +16,9 @@ namespace organ_collision::node {
 /// reset and heard after it, would shut out the true ones until their time has come. So is one on
 /// /tf without a stamp: tf2 would keep the first of them for ever. So is what is no transform at
 /// all, and what moves a frame that was static, or the other way round: tf2 takes a frame for what
-/// it was first, and would call it static for ever, or old. Rotations are normalized.
+/// it was first, and would call it static for ever, or old. So is what has the stamp of the one
+/// before it, or is older than what tf keeps: tf2 drops it, and fills the console. Rotations are
+/// normalized.
 class TransformIntake {
  public:
   static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ
@@ -30,11 +32,17 @@ class TransformIntake {
                    const ros::Time& now);
 
  private:
-  bool isKnownAs(const std::string& frame, bool is_static);
+  /// What tf has of a frame.
+  struct Known {
+    bool is_static;
+    ros::Time newest;  // since time last jumped back
+  };
+
+  std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static);
 
   tf2::BufferCore& buffer_;
-  ros::Time last_;                         // when take() was last called
-  std::map<std::string, bool> is_static_;  // frames
+  ros::Time last_;                      // when take() was last called
+  std::map<std::string, Known> known_;  // by frame
 };
 
 }  // namespace organ_collision::node

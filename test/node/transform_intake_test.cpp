@@ -61,6 +61,20 @@ TEST_F(TransformIntakeTest, ForgetsWhatMovesWhenTimeJumpsBackAndGoesOnAtOnce) {
   EXPECT_EQ(latest("tip"), 4.0);
 }
 
+TEST_F(TransformIntakeTest, WhatTfWouldDropIsRefusedByName) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  EXPECT_THAT(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.1)),
+              AllOf(HasSubstr("'tip'"), HasSubstr("one of that time already")));
+  EXPECT_THAT(hear("/tip", 2.0, ros::Time(100.0), ros::Time(100.1)), HasSubstr("already"));
+  EXPECT_THAT(hear("tip", 2.0, ros::Time(89.9), ros::Time(100.1)), HasSubstr("older than what tf"));
+  EXPECT_EQ(hear("tip", 2.0, ros::Time(99.0), ros::Time(100.1)), "");  // late, but of use
+  EXPECT_EQ(latest("tip"), 1.0);
+  EXPECT_EQ(hear("tip", 3.0, ros::Time(100.1), ros::Time(100.1)), "");
+  EXPECT_EQ(latest("tip"), 3.0);
+  hear("tip", 4.0, ros::Time(5.0), ros::Time(5.0));  // time jumped back
+  EXPECT_EQ(hear("tip", 5.0, ros::Time(100.1), ros::Time(100.1)), "");
+}
+
 TEST_F(TransformIntakeTest, OneTransformFromTheFutureDoesNotShutOutTheTrueOnes) {
   hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
   const double late = 100.0 + 60.0;
