@@ -109,6 +109,10 @@ class OneFile : public Assimp::DefaultIOSystem {
 
 core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
+  // Else it would guess, and know vertices of formats that others here read by other numbers.
+  if (!importer.IsExtensionSupported(file.extension().string()))
+    throw std::invalid_argument("the extension '" + file.extension().string() +
+                                "' names no format of meshes");
   importer.SetIOHandler(new OneFile(file.string()));  // NOLINT: the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);

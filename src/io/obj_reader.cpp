@@ -1,5 +1,6 @@
 #include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -23,7 +24,7 @@ bool isPassedOver(std::string_view keyword) {
 }
 
 /// Numbers count from 1, negative ones back from the newest vertex. A number above the count may
-/// name a later vertex: TriangleMesh decides.
+/// name a later vertex.
 core::VertexId vertexNamed(std::int64_t number, std::size_t count, const TextLines& lines) {
   const std::int64_t id = number > 0 ? number - 1 : static_cast<std::int64_t>(count) + number;
   if (number == 0 || id < 0 || id > std::numeric_limits<std::uint32_t>::max()) {
@@ -38,6 +39,8 @@ core::VertexId vertexNamed(std::int64_t number, std::size_t count, const TextLin
 core::TriangleMesh readObj(std::string_view text) {
   MeshDraft draft;
   std::vector<core::VertexId> corners;
+  std::size_t most_named = 0;  // vertices, by a face
+  std::size_t line_of_most = 0;
   for (TextLines lines(text); lines.next();) {
     const std::string_view keyword = lines.words().front();
     if (keyword == "v") {
@@ -46,12 +49,22 @@ core::TriangleMesh readObj(std::string_view text) {
       corners.clear();
       for (std::size_t i = 1; i < lines.words().size(); ++i) {
         corners.push_back(vertexNamed(lines.integer(i, '/'), draft.positions.size(), lines));
+        if (index(corners.back()) < most_named) continue;
+        most_named = index(corners.back()) + 1;
+        line_of_most = lines.number();
       }
+      if (corners.size() < 3)
+        lines.refuse("a face has " + std::to_string(corners.size()) +
+                     " corners: 3 or more are wanted");
       addPolygon(draft, corners);
     } else if (!isPassedOver(keyword)) {
       lines.refuse("it begins with no keyword of obj");
     }
   }
+  if (most_named > draft.positions.size())
+    throw std::invalid_argument("line " + std::to_string(line_of_most) + ": a face names vertex " +
+                                std::to_string(most_named) + " of " +
+                                std::to_string(draft.positions.size()) + ", counted from 1");
   return {std::move(draft.positions), std::move(draft.triangles)};
 }
 

@@ -40,6 +40,12 @@ void split(std::string_view line, std::vector<std::string_view>& words) {
 
 }  // namespace
 
+TextLines::TextLines(std::string_view text) : rest_(text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (rest_.substr(0, kByteOrderMark.size()) == kByteOrderMark)
+    rest_.remove_prefix(kByteOrderMark.size());
+}
+
 bool TextLines::next() {
   while (!rest_.empty()) {
     const std::size_t end = rest_.find('\n');

@@ -9,10 +9,11 @@
 namespace organ_collision::io {
 
 /// Walks over the lines of a text that have words. A word beginning with # starts a comment.
-/// The text must outlive it. Its errors are std::invalid_argument with the line's number.
+/// A byte order mark before the first is passed over. The text must outlive it. Its errors are
+/// std::invalid_argument with the line's number.
 class TextLines {
  public:
-  explicit TextLines(std::string_view text) : rest_(text) {}
+  explicit TextLines(std::string_view text);
 
   /// False at the end of the text.
   bool next();
@@ -20,6 +21,7 @@ class TextLines {
   void require(const char* wanted);
 
   const std::vector<std::string_view>& words() const { return words_; }
+  std::size_t number() const { return number_; }  ///< of the line, from 1
   /// What follows the current line.
   std::string_view rest() const { return rest_; }
 

@@ -60,7 +60,7 @@ TEST_F(MeshFormats, RefusesABadFaceOfObj) {
     return refusal("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf " + corners + "\n");
   };
   EXPECT_EQ(with("1 2 3"), "");
-  EXPECT_THAT(with("1 2 4"), HasSubstr("triangle 1 names vertex 3 of 3"));
+  EXPECT_THAT(with("1 2 4"), HasSubstr("line 5: a face names vertex 4 of 3, counted from 1"));
   EXPECT_THAT(with("1 2 0"), HasSubstr("line 5: a face names vertex 0, when there are 3 so far"));
   EXPECT_THAT(with("1 2 -4"), HasSubstr("line 5: a face names vertex -4"));
   EXPECT_THAT(with("1 2 4294967297"), HasSubstr("line 5: a face names vertex 4294967297"));
@@ -68,8 +68,14 @@ TEST_F(MeshFormats, RefusesABadFaceOfObj) {
   EXPECT_THAT(with("1 2 99999999999999999999"), HasSubstr("is not an integer"));
   EXPECT_THAT(with("1 2 1.5"), HasSubstr("is not an integer"));
   EXPECT_THAT(with("1 2 /1"), HasSubstr("is not an integer"));
-  EXPECT_THAT(with("1 2"), HasSubstr("has 2 corners"));
-  EXPECT_THAT(with(""), HasSubstr("has 0 corners"));
+  EXPECT_THAT(with("1 2"), HasSubstr("line 5: a face has 2 corners"));
+  EXPECT_THAT(with(""), HasSubstr("line 5: a face has 0 corners"));
+}
+
+TEST_F(MeshFormats, PassesOverAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(refusal("m.obj", mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "");
+  EXPECT_EQ(refusal("m.off", mark + "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "");
 }
 
 TEST_F(MeshFormats, RefusesAnUnknownKeywordOfObjBecauseItMayBeABrokenVertex) {

@@ -162,8 +162,10 @@ TEST_F(MeshIo, RefusesAnythingButARegularFileAtOnce) {
 }
 
 TEST_F(MeshIo, RefusesAFormatThatItDoesNotKnow) {
-  EXPECT_THAT(refusal("mesh.txt", "hello"), HasSubstr("mesh.txt"));
-  EXPECT_THAT(refusal("mesh", "hello"), HasSubstr("mesh"));
+  // Its contents tell a format; what an extension names is not told by them.
+  EXPECT_THAT(refusal("mesh.txt", obj(awkwardShape())),
+              AllOf(HasSubstr("mesh.txt"), HasSubstr("'.txt' names no format")));
+  EXPECT_THAT(refusal("mesh", obj(awkwardShape())), HasSubstr("'' names no format"));
 }
 
 TEST_F(MeshIo, RefusesAFileThatIsTooLarge) {
