@@ -64,10 +64,8 @@ Proximity roundToMesh(const Shape& round, const RigidMesh& mesh, const Accuracy&
   return toMesh(found.nearest, roundShape(round)->radius, found.colliding_certain, mesh.pose);
 }
 
-Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const NearestPair& pair) {
-  const bool solids = first.surface->health().isSolid() || second.surface->health().isSolid();
-  const bool certain = pair.nearest.distance <= 0.0 || (pair.nearest.lower_bound > 0.0 &&
-                                                        (pair.nearest.distance_signed || !solids));
+Proximity betweenMeshes(const RigidMesh& second, const NearestPair& pair) {
+  const bool certain = pair.nearest.distance <= 0.0 || pair.nearest.lower_bound > 0.0;
   Proximity proximity = toMesh(pair.nearest, 0.0, certain, second.pose);
   proximity.triangle_of_first = pair.triangle_of_first;
   return proximity;
@@ -83,7 +81,7 @@ Proximity between(const Shape& first, const Shape& second, const Accuracy& accur
   const auto* second_mesh = std::get_if<RigidMesh>(&second);
   if (first_mesh != nullptr && second_mesh != nullptr) {
     return betweenMeshes(
-        *first_mesh, *second_mesh,
+        *second_mesh,
         nearest_pair(*first_mesh, second_mesh->pose.inverse(Eigen::Affine) * first_mesh->pose,
                      *second_mesh));
   }

@@ -17,6 +17,7 @@ namespace organ_collision::node {
 namespace {
 
 constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
+constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
 constexpr double kCatchUp = 0.1;            // [s] of poses that came together are answered at once
 constexpr double kFarthestBehind = 0.2;     // [s] then poses are left out
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
@@ -144,7 +145,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
 }
 
 void CollisionNode::run() {
-  const ros::WallDuration heartbeat(kHeartbeat);
+  const ros::WallDuration heartbeat(kHeartbeat), silence(kSilence);
   const ros::WallDuration shortest(std::min(1.0 / scene_.rate, kHeartbeat));
   const ros::WallDuration credit = std::max(shortest, ros::WallDuration(kCatchUp));
   ros::SteadyTime last_published = ros::SteadyTime::now();  // no clock that is set or simulated
@@ -153,12 +154,15 @@ void CollisionNode::run() {
   while (ros::ok()) {
     const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::SteadyTime::now();
     // One at a time: every pose gets its contact, as long as the rate allows.
-    tf_queue_.callOne(std::max(to_heartbeat, ros::WallDuration(0)));
+    tf_queue_.callOne(std::clamp(to_heartbeat, ros::WallDuration(0), silence));
     ros::SteadyTime now = ros::SteadyTime::now();
     for (; ros::ok() && now < due; now = ros::SteadyTime::now())
       tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
     // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (now - caught_up > ros::WallDuration(kFarthestBehind)) tf_queue_.callAvailable();
+    if (now - caught_up > ros::WallDuration(kFarthestBehind)) {
+      tf_queue_.callAvailable();
+      ++times_behind_;
+    }
     if (tf_queue_.isEmpty()) caught_up = ros::SteadyTime::now();
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
@@ -316,6 +320,7 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
                         "use_sim_time is set, but /clock stands at 0");
   }
+  diagnoseHaste(status);
   diagnoseRefusals(status);
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {
@@ -323,6 +328,7 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     for (const std::string& sentence : core::warnings(snapshot->organ.health())) {
       status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, organ->name() + ": " + sentence);
     }
+    warnOfHealth(organ->name(), *snapshot);
     const Organ::Counters counters = organ->counters();
     status.add(organ->name() + " mesh version", snapshot->version);
     status.add(organ->name() + " last action", snapshot->reason);
@@ -334,6 +340,27 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     status.add(organ->name() + " updates merged", counters.updates_merged);
     status.add(organ->name() + " updates lost", counters.updates_lost);
   }
+}
+
+/// What an update has brought with it; the rest was told when the organ was loaded.
+void CollisionNode::warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot) {
+  std::vector<std::string> sentences = core::warnings(snapshot.organ.health());
+  const std::vector<std::string>& known = health_told_[organ];
+  for (const std::string& sentence : sentences) {
+    if (snapshot.version == 1 || std::count(known.begin(), known.end(), sentence) > 0) continue;
+    const std::string warning = "'" + organ + "', since it was updated: " + sentence;
+    if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
+  }
+  health_told_[organ] = std::move(sentences);
+}
+
+/// A warning each time that it happened again.
+void CollisionNode::diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::uint64_t times = times_behind_;
+  status.add("times that poses were left out", times);
+  if (times == std::exchange(times_behind_told_, times)) return;
+  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                      "this machine cannot keep up with tf: poses are left out");
 }
 
 /// A warning each time that there are more of them.

@@ -76,6 +76,8 @@ class CollisionNode {
   void publishDiagnostics();
   void checkMaster();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot);
+  void diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const io::Scene scene_;
@@ -92,6 +94,8 @@ class CollisionNode {
   ProximityCycle proximity_cycle_;                  // run() alone
   std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
 
+  std::atomic<std::uint64_t> times_behind_{0};  // that poses were left out
+
   mutable std::mutex mutex_;  // of the three below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
   Refusals refusals_;
@@ -100,6 +104,9 @@ class CollisionNode {
   boost::recursive_mutex reconfigure_mutex_;
   dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;
   diagnostic_updater::Updater diagnostics_;
+  std::uint64_t times_behind_told_ = 0;                          // diagnose() alone
+  std::map<std::string, std::vector<std::string>> health_told_;  // by organ; diagnose() alone
+  LogLimit health_log_;                                          // diagnose() alone
   ros::Publisher contacts_publisher_, proximities_publisher_, markers_publisher_,
       mesh_info_publisher_;
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest

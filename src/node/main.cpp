@@ -1,4 +1,5 @@
 #include <ros/ros.h>
+#include <ros/topic_manager.h>
 
 #include <atomic>
 #include <chrono>
@@ -48,6 +49,14 @@ std::unique_ptr<CollisionNode> makeNode() {
   return std::make_unique<CollisionNode>(ros::NodeHandle(), ros::NodeHandle("~"));
 }
 
+/// What is logged before rosout listens is told on the console alone.
+void waitForRosout() {
+  const ros::SteadyTime patience_ends = ros::SteadyTime::now() + ros::WallDuration(1.0);
+  while (ros::TopicManager::instance()->getNumSubscribers("/rosout") == 0 &&
+         ros::SteadyTime::now() < patience_ends)
+    ros::WallDuration(0.01).sleep();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,10 +67,12 @@ int main(int argc, char** argv) {
     setDuty(Duty::kAnswer);
     // Starts the threads that read and write sockets: they answer tips too.
     keeps_the_log_open.emplace();
+    waitForRosout();
     std::async(std::launch::async, makeNode).get()->run();
   } catch (const std::exception& error) {
     if (told_to_end) return 0;  // what loads while the node ends finds no master
     ROS_FATAL("%s", error.what());
+    ros::WallDuration(0.2).sleep();  // until rosout has it
     return 1;
   }
   return 0;

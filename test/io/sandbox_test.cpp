@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -61,6 +62,20 @@ std::size_t inheritedFiles() {
 
 [[noreturn]] void sleepForever() {
   for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
+}
+
+TEST(Sandbox, LeavesNoCore) {
+  const auto limit = [] {
+    rlimit core{};
+    ::getrlimit(RLIMIT_CORE, &core);
+    return core;
+  };
+  const rlimit before = limit();
+  if (before.rlim_max == 0) GTEST_SKIP() << "nobody may leave one here";
+  const rlimit raised = {before.rlim_max, before.rlim_max};
+  ::setrlimit(RLIMIT_CORE, &raised);
+  EXPECT_EQ(run([&] { return std::to_string(limit().rlim_cur); }), "0");
+  ::setrlimit(RLIMIT_CORE, &before);
 }
 
 TEST(Sandbox, EndsWithItsParent) {

@@ -105,7 +105,7 @@ class FindNearestTriangle(unittest.TestCase):
         self.check_refusal("wrist", frame="wrist", stamp=rospy.Time.now() + rospy.Duration(100.0))
 
     def test_a_missing_frame_is_refused_within_a_second(self):
-        self.check_refusal("frame_id", frame="")
+        self.check_refusal("header.frame_id is empty", frame="")
 
     def test_an_unknown_organ_is_refused_by_name(self):
         self.check_refusal("spleen", organ="spleen")

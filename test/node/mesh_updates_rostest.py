@@ -1,23 +1,18 @@
 #!/usr/bin/env python3
-"""The organ deforms, by service and by stream, while contacts and questions go on."""
+"""The organ deforms by service, while contacts and questions go on."""
 import math
 import threading
-import unittest
 
 import numpy as np
 import rospy
+from deforming_liver import REFITS, TIP, DeformingLiver
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rostest_support import (TOLERANCE, ContactsInbox, Frames, Inbox, Pose, Services, Surface, check_nearest,
-                             contact_of, run, wait_until)
+from rostest_support import TOLERANCE, Inbox, Services, Surface, check_nearest, run, wait_until
 
-from organ_collision.msg import MeshInfo, MeshInfoArray, MeshUpdate
+from organ_collision.msg import MeshInfo
 from organ_collision.srv import UpdateMesh, UpdateMeshRequest
 
 AUTO, REFIT, REBUILD = UpdateMeshRequest.AUTO, UpdateMeshRequest.REFIT, UpdateMeshRequest.REBUILD
-REFITS = (MeshInfo.REFIT, MeshInfo.PARTIAL_REFIT)
-TIP = np.array([0.02, 0.01, 0.12])  # [m] in the organ's frame
-STREAM_RATE = 60  # [Hz]
-BURST_RATE = 1e6  # [Hz] as fast as Python can
 
 
 def large_grid():
@@ -30,46 +25,7 @@ def large_grid():
     return Surface(0.001 * np.column_stack([x.ravel(), y.ravel(), np.zeros(side * side)]), triangles)
 
 
-class MeshUpdates(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        Frames().fix(("liver", "fixed_tip", Pose(TIP)))
-        cls.services = Services()
-        cls.loaded = cls.services.surface()
-        cls.contacts = ContactsInbox()
-        cls.infos = Inbox("organ_collision/mesh_info", MeshInfoArray)
-        cls.stream = rospy.Publisher("organ_collision/mesh_update", MeshUpdate, queue_size=100, tcp_nodelay=True)
-        wait_until(lambda: cls.stream.get_num_connections() == 1, "the node to hear mesh updates")
-
-    def setUp(self):
-        self.version = self.update(self.loaded.vertices, triangles=self.loaded.triangles).mesh_version
-        self.contacts.forget()
-        self.infos.forget()
-
-    def deformed(self, size=0.01, phase=0.0):
-        """The loaded liver's vertices, bent by up to `size` [m]."""
-        x, y, z = self.loaded.vertices.T
-        return np.column_stack([x, y, z + size * np.sin(30.0 * x + phase) * np.cos(20.0 * y)])
-
-    def update(self, *positions, **fields):
-        answer = self.services.update(*positions, **fields)
-        self.assertTrue(answer.success, answer.message)
-        return answer
-
-    def check_queries(self, surface, version):
-        """They see this geometry; contacts too, soon."""
-        answer = self.services.find([TIP])
-        self.assertEqual(answer.mesh_version, version)
-        truth = surface.signed_distance(TIP)
-        check_nearest(self, answer.nearest[0], TIP, surface, truth)
-        contact = self.contacts.contact("fixed", lambda contact: contact.mesh_version == version)
-        check_nearest(self, contact.nearest, TIP, surface, truth)
-
-    def latest_info(self, is_wanted):
-        return self.infos.wait_for(lambda array: is_wanted(array.meshes[0])).meshes[0]
-
-    # ---- the service
-
+class MeshUpdates(DeformingLiver):
     def test_a_refit_of_all_vertices_is_seen_by_every_later_query(self):
         moved = self.deformed()
         answer = self.update(moved, mode=REFIT, organ="liver")
@@ -164,23 +120,6 @@ class MeshUpdates(unittest.TestCase):
             diagnostics.wait_for(lambda array: any(
                 status.level == DiagnosticStatus.WARN and "mesh updates refused: 1, the last" in status.message
                 and f"'{organ}'" in status.message for status in array.status))
-
-    def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
-        stop = threading.Event()
-
-        def rebuild():
-            rebuilder = Services()
-            while not stop.is_set():
-                rebuilder.update(mode=REBUILD)
-
-        thread = threading.Thread(target=rebuild)
-        thread.start()
-        try:
-            self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(STREAM_RATE)],
-                                 last_actions=(MeshInfo.REBUILD, *REFITS))
-        finally:
-            stop.set()
-            thread.join()
 
     def test_a_rebuild_alone_does_not_raise_the_version(self):
         answer = self.update(mode=REBUILD)
@@ -297,119 +236,6 @@ class MeshUpdates(unittest.TestCase):
             stop.set()
             thread.join()
         self.assertGreater(len(versions), 2)
-
-    # ---- the stream
-
-    def send(self, positions, indices=(), frame="liver", organ="liver"):
-        message = MeshUpdate(organ=organ, indices=indices, positions=np.ravel(positions).astype(np.float32))
-        message.header.frame_id = frame
-        self.stream.publish(message)
-
-    def send_and_follow(self, updates, frequency=STREAM_RATE, last_actions=REFITS):
-        """Sends (positions, indices) so often [Hz], waits until all have arrived, and checks what they led to. Each
-        update becomes a version of its own or is merged with a later one; returns how many were merged."""
-        start = self.account()
-        expected = self.loaded.vertices.copy()
-        rate = rospy.Rate(frequency)
-        for positions, indices in updates:
-            expected[indices if len(indices) else slice(None)] = np.asarray(positions, np.float32)
-            self.send(positions, indices)
-            rate.sleep()
-        end = self.latest_info(lambda info: info.mesh_version + info.updates_merged ==
-                               start.mesh_version + start.updates_merged + len(updates))
-        self.assertEqual(end.updates_lost, start.updates_lost)
-        self.assertGreater(end.mesh_version, start.mesh_version)
-        self.assertIn(end.last_action, last_actions)
-        np.testing.assert_array_equal(self.services.surface().vertices, expected)
-        self.check_queries(self.loaded.of(expected), end.mesh_version)
-        return end.updates_merged - start.updates_merged
-
-    def account(self):
-        """The node's, of the current version."""
-        self.infos.forget()
-        self.update(mode=REBUILD)
-        return self.latest_info(lambda info: info.last_action == MeshInfo.REBUILD)
-
-    def test_a_stream_of_whole_updates_leads_to_its_last_state(self):
-        self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(STREAM_RATE)])
-
-    def test_nothing_is_lost_of_a_stream_of_partial_updates(self):
-        vertices = np.random.default_rng(4).permutation(len(self.loaded.vertices))
-        moved = self.deformed()
-        self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, STREAM_RATE)])
-
-    def test_a_stream_of_whole_and_partial_updates_leads_to_its_last_state(self):
-        random = np.random.default_rng(5)
-        updates = []
-        for i in range(STREAM_RATE // 2):
-            part = random.choice(len(self.loaded.vertices), 50, replace=False)
-            updates += [(self.deformed(phase=0.1 * i), ()), (self.deformed(phase=0.1 * i, size=0.02)[part], part)]
-        self.send_and_follow(updates)
-
-    def test_nothing_is_lost_of_a_burst_of_partial_updates(self):
-        vertices = np.random.default_rng(6).permutation(len(self.loaded.vertices))
-        for phase in range(10):  # an idle machine may keep up with a burst
-            moved = self.deformed(phase=phase)
-            if self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 90)], BURST_RATE) > 0:
-                return
-        self.fail("of ten bursts none was merged")
-
-    def test_a_burst_of_whole_updates_leads_to_its_last_state(self):
-        self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(20)], BURST_RATE)
-
-    def test_contacts_go_on_while_updates_stream_in(self):
-        stop = threading.Event()
-
-        def stream():
-            rate = rospy.Rate(STREAM_RATE)
-            while not stop.is_set():
-                self.send(self.deformed(phase=rospy.get_time()))
-                rate.sleep()
-
-        thread = threading.Thread(target=stream)
-        thread.start()
-        try:
-            versions = {contact_of(array, "fixed").mesh_version for array in self.contacts.collect(60)}
-        finally:
-            stop.set()
-            thread.join()
-        self.assertGreater(len(versions), 30, "contacts follow the organ")
-
-    def test_bad_streamed_updates_are_refused_whole_and_counted(self):
-        nan = self.deformed()
-        nan[17, 1] = math.nan
-        count = len(nan)
-        bad_updates = {
-            "NaN": dict(positions=nan),
-            "one vertex too few": dict(positions=nan[18:]),
-            "half a vertex": dict(positions=np.ravel(self.loaded.vertices)[:-1]),
-            "a repeated index": dict(positions=nan[:2], indices=[7, 7]),
-            "an index out of range": dict(positions=nan[:2], indices=[7, count]),
-            "the wrong frame": dict(positions=self.deformed(), frame="table"),
-        }
-        not_counted = []
-        for what, bad in bad_updates.items():
-            before = self.account()
-            self.infos.forget()
-            self.send(**bad)
-            self.send(self.loaded.vertices[:1], [0])
-            after = self.latest_info(lambda info: info.mesh_version > before.mesh_version)
-            self.assertEqual(after.mesh_version, before.mesh_version + 1, what)
-            if after.updates_lost != before.updates_lost + 1:
-                not_counted.append(what)
-        expected = self.loaded.vertices.copy()
-        expected[0] = expected[0].astype(np.float32)
-        np.testing.assert_array_equal(self.services.surface().vertices, expected)
-        self.assertEqual(not_counted, [])
-
-    def test_an_update_of_an_unknown_organ_changes_nothing(self):
-        before = self.account()
-        self.send(self.deformed(), organ="spleen")
-        self.send(self.loaded.vertices[:1], [0])
-        after = self.latest_info(lambda info: info.mesh_version > before.mesh_version)
-        self.assertEqual(after.mesh_version, before.mesh_version + 1)
-        self.assertEqual(after.updates_lost, before.updates_lost, "it was not this organ's")
-        np.testing.assert_array_equal(self.services.surface().vertices[1:], self.loaded.vertices[1:])
 
 
 if __name__ == "__main__":

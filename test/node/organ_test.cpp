@@ -79,6 +79,21 @@ TEST(Organ, TellsATrackerHowFarItsVerticesMovedAndWhenItsSplitsAreOthers) {
   }
 }
 
+TEST(Organ, TriesAPartialRefitAndKeepsToWhatHasCostLess) {
+  Organ organ("liver", "liver_frame", test::blob(5));
+  // All but one: one by one they cost far more.
+  VertexMoves moves = {{}, organ.snapshot()->organ.mesh().positions()};
+  moves.positions.pop_back();
+  for (std::size_t i = 0; i < moves.positions.size(); ++i)
+    moves.vertices.push_back(static_cast<core::VertexId>(i));
+  const Organ::Applied first = organ.update(moves, UpdateMode::kAuto, 0);
+  EXPECT_EQ(first.action, Action::kPartialRefit);
+  EXPECT_THAT(first.reason, HasSubstr("is to be tried"));
+  const Organ::Applied second = organ.update(moves, UpdateMode::kAuto, 0);
+  EXPECT_EQ(second.action, Action::kRefit) << second.reason;
+  EXPECT_THAT(second.reason, HasSubstr("a full one"));
+}
+
 TEST(Organ, RebuildAloneDoesNotRaiseTheVersion) {
   Organ organ = cube();
   organ.update({{}, lifted(1.0)}, UpdateMode::kRefit, 0);

@@ -39,7 +39,10 @@ TEST(SequenceGaps, AreNoneInTheNumbersOfTwoRecordedPublishers) {
   EXPECT_EQ(lostIn({1000, 5, 1001, 6, 1002, 7}), 0U);
 }
 
-TEST(SequenceGaps, OfTenThousandsAreNoLoss) { EXPECT_EQ(lostIn({1, 20000}), 0U); }
+TEST(SequenceGaps, OfTensOfThousandsAreNoLoss) {
+  EXPECT_EQ(lostIn({1, 9000}), 8998U);
+  EXPECT_EQ(lostIn({1, 20000}), 0U);
+}
 
 }  // namespace
 }  // namespace organ_collision::node

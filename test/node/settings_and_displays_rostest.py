@@ -38,6 +38,15 @@ class SettingsAndDisplays(unittest.TestCase):
                 widths.append(nearest.upper_bound - nearest.lower_bound)
             self.assertEqual(max(widths) == 0.0, exact)
 
+    def test_contacts_are_exact_where_no_more_than_errors_are_allowed(self):
+        client = Client("organ_collision", timeout=PATIENCE)
+        client.update_configuration({"max_relative_error": 0.5, "max_absolute_error": 0.05})
+        try:
+            for _, nearest in self.nearest_of_all_tips():
+                self.assertEqual(nearest.lower_bound, nearest.upper_bound)
+        finally:
+            client.update_configuration({"max_relative_error": 0.0, "max_absolute_error": 0.0})
+
     def test_what_is_no_accuracy_is_refused_and_changes_nothing(self):
         client = Client("greedy", timeout=PATIENCE)
         before = client.get_configuration(PATIENCE)

@@ -14,8 +14,9 @@ import rospkg
 import rospy
 import yaml
 from roslaunch.config import ROSLaunchConfig
+from rosgraph_msgs.msg import Log
 from roslaunch.xmlloader import XmlLoader
-from rostest_support import PATIENCE, run, wait_until
+from rostest_support import PATIENCE, Inbox, run, wait_until
 
 from organ_collision.msg import MeshInfoArray
 
@@ -83,7 +84,7 @@ def bad_meshes(folder):
         "of_unknown_kind": (bad("garbage.docx", GARBAGE), ""),
         "nan_vertex": (bad("nan.obj", TRIANGLE.replace("v 1 0 0", "v nan 0 0")), "(nan, "),
         "infinite_vertex": (bad("infinite.obj", TRIANGLE.replace("v 1 0 0", "v inf 0 0")), "(inf, "),
-        "index_out_of_range": (bad("index.obj", TRIANGLE.replace("f 1 2 3", "f 1 2 4")), "vertex 3 of 3"),
+        "index_out_of_range": (bad("index.obj", TRIANGLE.replace("f 1 2 3", "f 1 2 4")), "line 4: a face names vertex 4 of 3"),
         "ply_index_negative": (bad("negative.ply", ply.format("ascii 1.0") + points + "3 0 1 -1\n"), "vertex -1"),
         "ply_index_out_of_range": (bad("large.ply", ply.format("ascii 1.0") + points + "3 0 1 7\n"), "vertex 7 of 3"),
         "ply_cut_off": (bad("cut.ply", ply.format("binary_little_endian 1.0").encode() + b"\0" * 20), ""),
@@ -189,6 +190,15 @@ class Starts(unittest.TestCase):
                                                          bad_scenes(os.path.realpath(folder)).items())))
         if complaints:
             self.fail(complaints)
+
+    def test_what_is_said_at_the_start_and_at_an_early_end_reaches_rosout(self):
+        log = Inbox("/rosout", Log)
+        start("ends_early", scene(organs=[organ(mesh="/nowhere.obj")])).wait(LONGEST_START)
+        log.wait_for(lambda said: said.name == "/ends_early" and said.level == Log.FATAL and "/nowhere" in said.msg)
+        running = start("runs", scene())
+        log.wait_for(lambda said: said.name == "/runs" and said.msg.startswith("liver: building the hierarchy"))
+        running.terminate()
+        running.wait(LONGEST_START)
 
     def test_a_name_that_ros_refuses_ends_the_node_with_an_error(self):
         for argument in ("__name:=a/b", "~contacts:=bad-name"):

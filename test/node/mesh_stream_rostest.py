@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""The organ deforms by a stream, while contacts and questions go on."""
+import math
+import threading
+
+import numpy as np
+import rospy
+from deforming_liver import REFITS, DeformingLiver
+from rosgraph_msgs.msg import Log
+from rostest_support import Inbox, Services, contact_of, run
+
+from organ_collision.msg import MeshInfo
+from organ_collision.srv import UpdateMeshRequest
+
+STREAM_RATE = 60  # [Hz]
+BURST_RATE = 1e6  # [Hz] as fast as Python can
+
+
+class MeshStream(DeformingLiver):
+    def send_and_follow(self, updates, frequency=STREAM_RATE, last_actions=REFITS):
+        """Sends (positions, indices) so often [Hz], waits until all have arrived, and checks what they led to. Each
+        update becomes a version of its own or is merged with a later one; returns how many were merged."""
+        start = self.account()
+        expected = self.loaded.vertices.copy()
+        rate = rospy.Rate(frequency)
+        for positions, indices in updates:
+            expected[indices if len(indices) else slice(None)] = np.asarray(positions, np.float32)
+            self.send(positions, indices)
+            rate.sleep()
+        end = self.latest_info(lambda info: info.mesh_version + info.updates_merged ==
+                               start.mesh_version + start.updates_merged + len(updates))
+        self.assertEqual(end.updates_lost, start.updates_lost)
+        self.assertGreater(end.mesh_version, start.mesh_version)
+        self.assertIn(end.last_action, last_actions)
+        np.testing.assert_array_equal(self.services.surface().vertices, expected)
+        self.check_queries(self.loaded.of(expected), end.mesh_version)
+        return end.updates_merged - start.updates_merged
+
+    def test_a_stream_of_whole_updates_leads_to_its_last_state(self):
+        self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(STREAM_RATE)])
+
+    def test_nothing_is_lost_of_a_stream_of_partial_updates(self):
+        vertices = np.random.default_rng(4).permutation(len(self.loaded.vertices))
+        moved = self.deformed()
+        self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, STREAM_RATE)])
+
+    def test_a_stream_of_whole_and_partial_updates_leads_to_its_last_state(self):
+        random = np.random.default_rng(5)
+        updates = []
+        for i in range(STREAM_RATE // 2):
+            part = random.choice(len(self.loaded.vertices), 50, replace=False)
+            updates += [(self.deformed(phase=0.1 * i), ()), (self.deformed(phase=0.1 * i, size=0.02)[part], part)]
+        self.send_and_follow(updates)
+
+    def test_nothing_is_lost_of_a_burst_of_partial_updates(self):
+        vertices = np.random.default_rng(6).permutation(len(self.loaded.vertices))
+        for phase in range(10):  # an idle machine may keep up with a burst
+            moved = self.deformed(phase=phase)
+            if self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 90)], BURST_RATE) > 0:
+                return
+        self.fail("of ten bursts none was merged")
+
+    def test_a_burst_of_whole_updates_leads_to_its_last_state(self):
+        self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(20)], BURST_RATE)
+
+    def test_contacts_go_on_while_updates_stream_in(self):
+        stop = threading.Event()
+
+        def stream():
+            rate = rospy.Rate(STREAM_RATE)
+            while not stop.is_set():
+                self.send(self.deformed(phase=rospy.get_time()))
+                rate.sleep()
+
+        thread = threading.Thread(target=stream)
+        thread.start()
+        try:
+            versions = {contact_of(array, "fixed").mesh_version for array in self.contacts.collect(60)}
+        finally:
+            stop.set()
+            thread.join()
+        self.assertGreater(len(versions), 0.5 * (max(versions) - min(versions)), "contacts follow the organ")
+
+    def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
+        stop = threading.Event()
+
+        def rebuild():
+            rebuilder = Services()
+            while not stop.is_set():
+                rebuilder.update(mode=UpdateMeshRequest.REBUILD)
+
+        thread = threading.Thread(target=rebuild)
+        thread.start()
+        try:
+            self.send_and_follow([(self.deformed(phase=0.1 * i), ()) for i in range(STREAM_RATE)],
+                                 last_actions=(MeshInfo.REBUILD, *REFITS))
+        finally:
+            stop.set()
+            thread.join()
+
+    def test_bad_streamed_updates_are_refused_whole_and_counted(self):
+        nan = self.deformed()
+        nan[17, 1] = math.nan
+        count = len(nan)
+        bad_updates = {
+            "NaN": dict(positions=nan),
+            "one vertex too few": dict(positions=nan[18:]),
+            "half a vertex": dict(positions=np.ravel(self.loaded.vertices)[:-1]),
+            "a repeated index": dict(positions=nan[:2], indices=[7, 7]),
+            "an index out of range": dict(positions=nan[:2], indices=[7, count]),
+            "the wrong frame": dict(positions=self.deformed(), frame="table"),
+        }
+        not_counted = []
+        for what, bad in bad_updates.items():
+            before = self.account()
+            self.infos.forget()
+            self.send(**bad)
+            self.send(self.loaded.vertices[:1], [0])
+            after = self.latest_info(lambda info: info.mesh_version > before.mesh_version)
+            self.assertEqual(after.mesh_version, before.mesh_version + 1, what)
+            if after.updates_lost != before.updates_lost + 1:
+                not_counted.append(what)
+        expected = self.loaded.vertices.copy()
+        expected[0] = expected[0].astype(np.float32)
+        np.testing.assert_array_equal(self.services.surface().vertices, expected)
+        self.assertEqual(not_counted, [])
+
+    def test_an_update_of_an_unknown_organ_changes_nothing(self):
+        before = self.account()
+        self.send(self.deformed(), organ="spleen")
+        self.send(self.loaded.vertices[:1], [0])
+        after = self.latest_info(lambda info: info.mesh_version > before.mesh_version)
+        self.assertEqual(after.mesh_version, before.mesh_version + 1)
+        self.assertEqual(after.updates_lost, before.updates_lost, "it was not this organ's")
+        np.testing.assert_array_equal(self.services.surface().vertices[1:], self.loaded.vertices[1:])
+
+    def test_an_update_in_millimetres_is_told(self):
+        log = Inbox("/rosout", Log)
+        start = rospy.get_time()
+        self.send(1000 * self.loaded.vertices)
+        log.wait_for(lambda entry: "millimetres?" in entry.msg and entry.header.stamp.to_sec() > start)
+
+
+if __name__ == "__main__":
+    run(MeshStream)
