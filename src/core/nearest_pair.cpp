@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/nearest_pair_search.h"
+#include "organ_collision/core/nearest_triangle.h"
 
 namespace organ_collision::core {
 
@@ -24,6 +25,16 @@ void requireRigid(const Isometry3d& pose) {
     throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
                                 ": it must be rigid");
   requireUsable(pose.translation(), "translation", 0);
+}
+
+double poseRounding(const CollisionMesh& first, const Isometry3d& second_from_first,
+                    const CollisionMesh& second) {
+  constexpr double kRounding = 0x1p-47;  // of coordinates: 3 products and sums, there and back
+  const UnitFrame& from = first.wideTree().frame();
+  const UnitFrame& to = second.wideTree().frame();
+  return kRounding *
+         (from.centre.lpNorm<1>() + to.centre.lpNorm<1>() +
+          second_from_first.translation().lpNorm<1>() + 8.0 / from.scale + 8.0 / to.scale);
 }
 
 AffineMap affineMap(const Matrix3d& linear, const Vector3d& offset) {
@@ -45,21 +56,44 @@ std::vector<WaitingPair>& pairScratch(std::size_t levels) {
 
 namespace {
 
-/// For surfaces that do not meet: a part of `other` that hangs together is inside the solid.
+/// Where a part of `other`, told by one of its vertices, is: its neighbour farthest from the
+/// surface of the solid, as rounding may take what almost touches it to its other side.
+Vector3d clearOfSurface(const CollisionMesh& solid, const CollisionMesh& other,
+                        const Isometry3d& solid_from_other, VertexId vertex) {
+  Vector3d clear = solid_from_other * other.mesh().position(vertex);
+  double farthest = 0.0;
+  for (const TriangleId triangle : other.topology().trianglesAt(other.topology().weld(vertex))) {
+    for (const VertexId corner : other.mesh().triangles()[index(triangle)]) {
+      const Vector3d place = solid_from_other * other.mesh().position(corner);
+      const double distance = nearestTriangle(solid, place, {}, Sign::kNone).distance;
+      if (!(distance > farthest)) continue;
+      farthest = distance;
+      clear = place;
+    }
+  }
+  return clear;
+}
+
+/// For surfaces that do not meet, but may almost touch: a part of `other` that hangs together is
+/// inside the solid.
 bool holdsPartOf(const CollisionMesh& solid, const CollisionMesh& other,
-                 const Isometry3d& solid_from_other) {
+                 const Isometry3d& solid_from_other, bool almost_touch) {
   if (!solid.health().isSolid()) return false;
   const std::vector<VertexId>& parts = other.topology().parts();
   return std::any_of(parts.begin(), parts.end(), [&](VertexId vertex) {
-    return windingNumber(solid, solid_from_other * other.mesh().position(vertex)) != 0;
+    return windingNumber(solid, almost_touch
+                                    ? clearOfSurface(solid, other, solid_from_other, vertex)
+                                    : solid_from_other * other.mesh().position(vertex)) != 0;
   });
 }
 
 /// The same: one, or a part of it, is inside the other's solid.
 bool isOneInsideTheOther(const CollisionMesh& first, const Isometry3d& second_from_first,
-                         const CollisionMesh& second) {
-  return holdsPartOf(second, first, second_from_first) ||
-         holdsPartOf(first, second, Isometry3d(second_from_first.inverse(Eigen::Affine)));
+                         const CollisionMesh& second, double distance) {
+  const bool almost_touch = distance <= 2 * poseRounding(first, second_from_first, second);
+  return holdsPartOf(second, first, second_from_first, almost_touch) ||
+         holdsPartOf(first, second, Isometry3d(second_from_first.inverse(Eigen::Affine)),
+                     almost_touch);
 }
 
 NearestTriangle withSign(NearestTriangle nearest, bool inside) {
@@ -78,7 +112,8 @@ NearestPair withSign(const CollisionMesh& first, const Isometry3d& second_from_f
   const bool may_hold = first.health().isSolid() || second.health().isSolid();
   const bool apart = pair.nearest.lower_bound > 0.0;
   if (may_hold && (apart || pair.nearest.isExact())) {
-    const bool inside = apart && isOneInsideTheOther(first, second_from_first, second);
+    const bool inside =
+        apart && isOneInsideTheOther(first, second_from_first, second, pair.nearest.lower_bound);
     pair.nearest = withSign(pair.nearest, inside);
   }
   return pair;

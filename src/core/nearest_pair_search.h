@@ -24,6 +24,10 @@ double stretchOf(const Eigen::Matrix3d& linear);
 /// Throws std::invalid_argument unless the pose is.
 void requireRigid(const Eigen::Isometry3d& pose);
 
+/// [m] How far a corner of the first surface, moved by the pose or back, may be from where it is.
+double poseRounding(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,
+                    const CollisionMesh& second);
+
 AffineMap affineMap(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset);
 
 /// Room for the pairs that wait while two trees of that many levels together are searched; the
@@ -102,10 +106,7 @@ class NearestPairSearch : protected PairSearch {
     const double stretch = stretchOf(linear);
     least_scale = ratio * std::sqrt(1.0 - stretch) * (1.0 - 0x1p-20);
     largest_scale = ratio * std::sqrt(1.0 + stretch);
-    constexpr double kRounding = 0x1p-47;  // of coordinates: 3 products and sums, there and back
-    const double coordinates = from.centre.lpNorm<1>() + to.centre.lpNorm<1>() +
-                               pose_.translation().lpNorm<1>() + 8.0 / from.scale + 8.0 / to.scale;
-    rounding = kRounding * to.scale * coordinates;
+    rounding = to.scale * poseRounding(first_, pose_, second_);
   }
 
   Triangle ofFirst(FarthestPairTree::Leaf leaf) const {

@@ -31,7 +31,7 @@ Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& 
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.
 /// If one piece is inside the organ and the accuracy leaves open whether another is deeper,
-/// lower_bound is -infinity. REQUIRES: at least one piece.
+/// lower_bound is -infinity. REQUIRES: at least one piece; the pose is rigid.
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,
                 const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
