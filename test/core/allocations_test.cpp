@@ -1,7 +1,9 @@
 // What is asked in every cycle allocates nothing once the thread has seen its widest search. Where
-// memory runs out, no answer is wrong afterwards.
+// memory runs out, no answer is wrong afterwards. A mesh tells the memory that it takes.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <limits>
@@ -19,42 +21,52 @@ namespace {
 
 thread_local std::size_t allocations = 0;
 thread_local std::size_t allowed_allocations = std::numeric_limits<std::size_t>::max();
+std::atomic<std::ptrdiff_t> bytes_in_use{0};  // by all threads
 
-void countAllocation() {
-  if (allocations >= allowed_allocations) throw std::bad_alloc();
+/// Calls `allocate`, unless the thread is to have no more.
+template <class Allocate>
+void* counted(const Allocate& allocate) {
+  if (allocations >= allowed_allocations) return nullptr;
   ++allocations;
+  void* const memory = allocate();
+  bytes_in_use += static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  return memory;
+}
+
+void* orThrow(void* memory) {
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+void release(void* memory) {
+  bytes_in_use -= static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  std::free(memory);
 }
 
 }  // namespace
 
 // Not inlined, or gcc finds free() where it expects delete.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  countAllocation();
-  void* const memory = std::malloc(size);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
+  return orThrow(counted([size] { return std::malloc(size); }));
 }
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  ++allocations;
-  return std::malloc(size);
+  return counted([size] { return std::malloc(size); });
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  countAllocation();
   const auto unit = static_cast<std::size_t>(alignment);
-  void* const memory = std::aligned_alloc(unit, (size + unit - 1) / unit * unit);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
+  return orThrow(
+      counted([&] { return std::aligned_alloc(unit, (size + unit - 1) / unit * unit); }));
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { release(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept {
-  std::free(memory);
+  release(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t /*alignment*/) noexcept {
-  std::free(memory);
+  release(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/,
                                        std::align_val_t /*alignment*/) noexcept {
-  std::free(memory);
+  release(memory);
 }
 
 namespace organ_collision::core {
@@ -126,6 +138,15 @@ TEST(Allocations, AreNotMadeByPairsOfSurfaces) {
               tracker.nearestPair(first, 0.0, pose, second, 0.0);
             }),
             0);
+}
+
+TEST(Memory, OfAMeshIsWhatItToldThatItTakes) {
+  const TriangleMesh mesh = test::blob(6);
+  const CollisionMesh before(mesh);  // what threads keep for themselves is taken
+  const std::ptrdiff_t in_use = bytes_in_use;
+  const CollisionMesh organ(mesh);
+  const auto taken = static_cast<double>(bytes_in_use - in_use);
+  EXPECT_NEAR(static_cast<double>(organ.memory()) / taken, 1.0, 0.05);
 }
 
 /// Calls `act` again and again, each time in a thread of its own that is refused memory from one

@@ -126,6 +126,15 @@ TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBoxOfAPartialRefit) {
   EXPECT_EQ(organ.health().box.high.z(), 1.5);
 }
 
+/// Single precision counts on it.
+TEST(CollisionMesh, HasAFrameThatFitsWhereAPartialRefitMovesAVertexFarAway) {
+  CollisionMesh organ(test::blob(3));
+  organ.refit({VertexId{5}}, {Eigen::Vector3d(0.0, 0.0, 100.0)});
+  EXPECT_EQ(organ.health().box.high.z(), 100.0);
+  EXPECT_LE(largestCoordinate(organ.wideTree().frame()(organ.health().box.high)), 2.0);
+  EXPECT_LE(largestCoordinate(organ.wideTree().frame()(organ.health().box.low)), 2.0);
+}
+
 TEST(CollisionMesh, AnswersHoweverFarItWasMoved) {
   std::mt19937 generator(34);
   const TriangleMesh row = test::row(101);
