@@ -85,7 +85,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     }
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
-    remember();  // before anything may throw
+    remember();  // first: addSign() may throw
     if (sign == Sign::kProven)
       addSign(this->organ_, this->tip_.corners().front(), normalAt(nearest), nearest);
     return nearest;
