@@ -56,44 +56,51 @@ std::vector<WaitingPair>& pairScratch(std::size_t levels) {
 
 namespace {
 
-/// Where a part of `other`, told by one of its vertices, is: its neighbour farthest from the
-/// surface of the solid, as rounding may take what almost touches it to its other side.
-Vector3d clearOfSurface(const CollisionMesh& solid, const CollisionMesh& other,
-                        const Isometry3d& solid_from_other, VertexId vertex) {
-  Vector3d clear = solid_from_other * other.mesh().position(vertex);
-  double farthest = 0.0;
-  for (const TriangleId triangle : other.topology().trianglesAt(other.topology().weld(vertex))) {
-    for (const VertexId corner : other.mesh().triangles()[index(triangle)]) {
-      const Vector3d place = solid_from_other * other.mesh().position(corner);
-      const double distance = nearestTriangle(solid, place, {}, Sign::kNone).distance;
-      if (!(distance > farthest)) continue;
-      farthest = distance;
-      clear = place;
+/// Where the part of `other` that hangs together with a vertex is: the first place of it that
+/// rounding does not take to the other side of the solid's surface.
+Vector3d placeClearOf(const CollisionMesh& solid, const CollisionMesh& other,
+                      const Isometry3d& solid_from_other, VertexId vertex, double rounding) {
+  const auto place_of = [&](VertexId corner) -> Vector3d {
+    return solid_from_other * other.mesh().position(corner);
+  };
+  std::vector<VertexId> around = {vertex};
+  std::vector<bool> known(other.mesh().positions().size());
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const Vector3d place = place_of(around[i]);
+    if (nearestTriangle(solid, place, {}, Sign::kNone).distance > rounding) return place;
+    for (const TriangleId triangle :
+         other.topology().trianglesAt(other.topology().weld(around[i]))) {
+      for (const VertexId corner : other.mesh().triangles()[index(triangle)]) {
+        if (known[index(corner)]) continue;
+        known[index(corner)] = true;
+        around.push_back(corner);
+      }
     }
   }
-  return clear;
+  return place_of(vertex);
 }
 
-/// For surfaces that do not meet, but may almost touch: a part of `other` that hangs together is
-/// inside the solid.
+/// For surfaces that are farther apart than `lower_bound` [m]: a part of `other` that hangs
+/// together is inside the solid.
 bool holdsPartOf(const CollisionMesh& solid, const CollisionMesh& other,
-                 const Isometry3d& solid_from_other, bool almost_touch) {
+                 const Isometry3d& solid_from_other, double lower_bound, double rounding) {
   if (!solid.health().isSolid()) return false;
   const std::vector<VertexId>& parts = other.topology().parts();
   return std::any_of(parts.begin(), parts.end(), [&](VertexId vertex) {
-    return windingNumber(solid, almost_touch
-                                    ? clearOfSurface(solid, other, solid_from_other, vertex)
-                                    : solid_from_other * other.mesh().position(vertex)) != 0;
+    const Vector3d place = lower_bound > rounding
+                               ? Vector3d(solid_from_other * other.mesh().position(vertex))
+                               : placeClearOf(solid, other, solid_from_other, vertex, rounding);
+    return windingNumber(solid, place) != 0;
   });
 }
 
 /// The same: one, or a part of it, is inside the other's solid.
 bool isOneInsideTheOther(const CollisionMesh& first, const Isometry3d& second_from_first,
-                         const CollisionMesh& second, double distance) {
-  const bool almost_touch = distance <= 2 * poseRounding(first, second_from_first, second);
-  return holdsPartOf(second, first, second_from_first, almost_touch) ||
+                         const CollisionMesh& second, double lower_bound) {
+  const double rounding = 2 * poseRounding(first, second_from_first, second);
+  return holdsPartOf(second, first, second_from_first, lower_bound, rounding) ||
          holdsPartOf(first, second, Isometry3d(second_from_first.inverse(Eigen::Affine)),
-                     almost_touch);
+                     lower_bound, rounding);
 }
 
 NearestTriangle withSign(NearestTriangle nearest, bool inside) {

@@ -109,7 +109,7 @@ class OneFile : public Assimp::DefaultIOSystem {
 
 core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
-  // Else it would guess, and know vertices of formats that others here read by other numbers.
+  // Else it would guess by what is in it, also OBJ, PLY and OFF, whose numbers it does not keep.
   if (!importer.IsExtensionSupported(file.extension().string()))
     throw std::invalid_argument("the extension '" + file.extension().string() +
                                 "' names no format of meshes");

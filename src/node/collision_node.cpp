@@ -84,7 +84,10 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
 
-  for (const auto& organ : organs_) organ->setSignal(organs_wait_);
+  for (const auto& organ : organs_) {
+    organ->setSignal(organs_wait_);
+    health_told_[organ->name()] = core::warnings(organ->snapshot()->organ.health());
+  }
   mesh_update_subscriber_ =
       onQueue(private_node, update_queue_)
           .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
@@ -159,7 +162,7 @@ void CollisionNode::run() {
     for (; ros::ok() && now < due; now = ros::SteadyTime::now())
       tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
     // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (now - caught_up > ros::WallDuration(kFarthestBehind)) {
+    if (now - caught_up > ros::WallDuration(kFarthestBehind) && !tf_queue_.isEmpty()) {
       tf_queue_.callAvailable();
       ++times_behind_;
     }
@@ -347,7 +350,7 @@ void CollisionNode::warnOfHealth(const std::string& organ, const OrganSnapshot& 
   std::vector<std::string> sentences = core::warnings(snapshot.organ.health());
   const std::vector<std::string>& known = health_told_[organ];
   for (const std::string& sentence : sentences) {
-    if (snapshot.version == 1 || std::count(known.begin(), known.end(), sentence) > 0) continue;
+    if (std::count(known.begin(), known.end(), sentence) > 0) continue;
     const std::string warning = "'" + organ + "', since it was updated: " + sentence;
     if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
   }

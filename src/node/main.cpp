@@ -1,6 +1,7 @@
 #include <ros/ros.h>
 #include <ros/topic_manager.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -49,8 +50,11 @@ std::unique_ptr<CollisionNode> makeNode() {
   return std::make_unique<CollisionNode>(ros::NodeHandle(), ros::NodeHandle("~"));
 }
 
-/// What is logged before rosout listens is told on the console alone.
+/// What is logged before rosout listens is told on the console alone. A master may have no rosout.
 void waitForRosout() {
+  ros::V_string nodes;
+  ros::master::getNodes(nodes);
+  if (std::find(nodes.begin(), nodes.end(), "/rosout") == nodes.end()) return;
   const ros::SteadyTime patience_ends = ros::SteadyTime::now() + ros::WallDuration(1.0);
   while (ros::TopicManager::instance()->getNumSubscribers("/rosout") == 0 &&
          ros::SteadyTime::now() < patience_ends)

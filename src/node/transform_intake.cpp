@@ -64,7 +64,8 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
            " before; if that was a mistake, start this node anew";
   if (is_static) return "";
   const ros::Time& stamp = transform.header.stamp;
-  if (stamp == known.newest) return "tf has one of that time already: does a clock stand still?";
+  if (stamp == known.newest)
+    return "tf has one of that time already: does a clock stand still, or do two tell of it?";
   if (known.newest.toSec() - stamp.toSec() > buffer_.getCacheLength().toSec())
     return "it is older than what tf keeps";
   known.newest = std::max(known.newest, stamp);
@@ -88,7 +89,7 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);
-        buffer_.setTransform(transform, publisher, is_static);
+        if (!buffer_.setTransform(transform, publisher, is_static)) fault = "tf drops it";
       }
     } catch (const std::exception& error) {
       fault = error.what();

@@ -16,8 +16,8 @@ namespace organ_collision::node {
 /// reset and heard after it, would shut out the true ones until their time has come. So is one on
 /// /tf without a stamp: tf2 would keep the first of them for ever. So is what is no transform at
 /// all, and what moves a frame that was static, or the other way round: tf2 takes a frame for what
-/// it was first, and would call it static for ever, or old. So is what has the stamp of the one
-/// before it, or is older than what tf keeps: tf2 drops it, and fills the console. Rotations are
+/// it was first, and would call it static for ever, or old. So is what has the stamp of the
+/// newest, or is older than what tf keeps: tf2 drops it, and fills the console. Rotations are
 /// normalized.
 class TransformIntake {
  public:

@@ -44,21 +44,26 @@ TEST(NearestPair, IsNegativeWhereOneIsInsideTheOther) {
   EXPECT_EQ(nearestPair(large, at(-0.125, -0.375, -0.375), small).nearest.distance, -0.125);
 }
 
-/// Rounding alone decides whether they meet, and on which side the corner is that would.
-TEST(NearestPair, KnowsTheSideOfWhatStandsOnASurfaceByOneCorner) {
+/// Rounding alone decides whether they meet, and on which side the vertices are that would: a flat
+/// foot, told by its middle.
+TEST(NearestPair, KnowsTheSideOfWhatStandsOnASurface) {
   std::mt19937 generator(98);
   const CollisionMesh organ(test::placed(test::cube(), 2.0, {-1, -1, -1}));
   std::size_t apart = 0;
   for (int i = 0; i < 2000; ++i) {
     const Isometry3d pose = test::randomPose(generator, 1.0);
     const double inwards = i % 2 == 0 ? -0.3 : 0.3;
-    const Vector3d corner(0.1, 0.1, 1.0);
-    Points points = {corner, corner + Vector3d(0.1, 0, inwards),
-                     corner + Vector3d(-0.1, 0.1, inwards), corner + Vector3d(-0.1, -0.1, inwards)};
+    const Vector3d middle(0.1, 0.1, 1.0);
+    Points points = {middle};
+    std::vector<Corners> triangles;
+    for (int k = 0; k < 6; ++k) {
+      points.push_back(middle + 0.1 * Vector3d(std::cos(k * M_PI / 3), std::sin(k * M_PI / 3), 0));
+      triangles.push_back(test::corners(0, 1 + k, 1 + (k + 1) % 6));
+      triangles.push_back(test::corners(7, 1 + (k + 1) % 6, 1 + k));
+    }
+    points.push_back(middle + Vector3d(0, 0, inwards));
     for (Vector3d& point : points) point = pose * point;
-    const CollisionMesh tool(
-        TriangleMesh(points, {test::corners(0, 1, 2), test::corners(0, 2, 3),
-                              test::corners(0, 3, 1), test::corners(1, 3, 2)}));
+    const CollisionMesh tool(TriangleMesh(points, triangles));
     const double distance = nearestPair(organ, pose, tool).nearest.distance;
     ASSERT_NEAR(distance, 0.0, 1e-15);
     apart += distance == 0.0 ? 0 : 1;

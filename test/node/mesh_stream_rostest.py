@@ -79,7 +79,8 @@ class MeshStream(DeformingLiver):
         finally:
             stop.set()
             thread.join()
-        self.assertGreater(len(versions), 0.5 * (max(versions) - min(versions)), "contacts follow the organ")
+        self.assertGreater(len(versions), 10, "the organ moves")
+        self.assertGreater(len(versions), 0.5 * (max(versions) - min(versions)), "contacts follow it")
 
     def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
         stop = threading.Event()

@@ -290,14 +290,17 @@ class KeepMoving:
         self._frames, self._poses, self._period = frames, poses, 1.0 / rate
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._send)
+        self.sent = 0
 
     def _send(self):
         while not self._stop.is_set():
             self._frames.put(*self._poses)
+            self.sent += 1
             self._stop.wait(self._period)
 
     def __enter__(self):
         self._thread.start()
+        return self
 
     def __exit__(self, *_):
         self._stop.set()

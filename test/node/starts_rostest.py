@@ -192,13 +192,18 @@ class Starts(unittest.TestCase):
             self.fail(complaints)
 
     def test_what_is_said_at_the_start_and_at_an_early_end_reaches_rosout(self):
-        log = Inbox("/rosout", Log)
-        start("ends_early", scene(organs=[organ(mesh="/nowhere.obj")])).wait(LONGEST_START)
-        log.wait_for(lambda said: said.name == "/ends_early" and said.level == Log.FATAL and "/nowhere" in said.msg)
-        running = start("runs", scene())
-        log.wait_for(lambda said: said.name == "/runs" and said.msg.startswith("liver: building the hierarchy"))
-        running.terminate()
-        running.wait(LONGEST_START)
+        rosout = subprocess.Popen(roslib.packages.find_node("rosout", "rosout"))  # rostest starts none
+        running = None
+        try:
+            log = Inbox("/rosout_agg", Log)
+            start("ends_early", scene(organs=[organ(mesh="/nowhere.obj")])).wait(LONGEST_START)
+            log.wait_for(lambda said: said.name == "/ends_early" and said.level == Log.FATAL and "/nowhere" in said.msg)
+            running = start("runs", scene())
+            log.wait_for(lambda said: said.name == "/runs" and said.msg.startswith("liver: building the hierarchy"))
+        finally:
+            for process in filter(None, (running, rosout)):
+                process.terminate()
+                process.wait(LONGEST_START)
 
     def test_a_name_that_ros_refuses_ends_the_node_with_an_error(self):
         for argument in ("__name:=a/b", "~contacts:=bad-name"):

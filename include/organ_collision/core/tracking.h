@@ -26,7 +26,8 @@ class Tracker {
   /// `travel` [m] is the sum, over all refits of the organ so far, of the farthest that each moved
   /// a vertex, rounded up. Where it did not grow with a refit, or the organ is another or was
   /// rebuilt, what was learnt is forgotten. REQUIRES: where it grew, that vertices did not move
-  /// farther: else triangles may be missed.
+  /// farther: else triangles may be missed. (An older copy that is refitted has another history:
+  /// rebuild it, or let its travel go on from the latest of all.)
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel,
                                   const Eigen::Vector3d& tip, Sign sign = Sign::kProven);
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel, const Triangle& tip,
