@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/nearest_pair_search.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
@@ -155,6 +156,20 @@ double truth(const CollisionMesh& first, const Isometry3d& pose, const Collision
   return inside ? -std::sqrt(least) : std::sqrt(least);
 }
 
+/// Bit for bit; the side only where it is not rounding that puts a vertex there.
+void expectTruth(double expected, const CollisionMesh& first, const Isometry3d& pose,
+                 const CollisionMesh& second) {
+  const NearestTriangle nearest = nearestPair(first, pose, second).nearest;
+  ASSERT_EQ(std::abs(nearest.distance), std::abs(expected));
+  if (std::abs(expected) > 2 * poseRounding(first, pose, second)) {
+    ASSERT_EQ(nearest.distance, expected);
+  }
+  ASSERT_TRUE(nearest.isExact());
+}
+void expectTruth(const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
+  expectTruth(truth(first, pose, second), first, pose, second);
+}
+
 /// Calls `check(first, pose, second)` for random placements of all surfaces.
 template <class Check>
 void forEachPlacement(unsigned seed, std::size_t count, const Check& check) {
@@ -176,9 +191,7 @@ TEST(NearestPair, EqualsBruteForceBitForBit) {
       75, queryCount(12),
       [&](const CollisionMesh& first, const Isometry3d& pose, const CollisionMesh& second) {
         const double expected = truth(first, pose, second);
-        const NearestTriangle nearest = nearestPair(first, pose, second).nearest;
-        ASSERT_EQ(nearest.distance, expected);
-        ASSERT_TRUE(nearest.isExact());
+        ASSERT_NO_FATAL_FAILURE(expectTruth(expected, first, pose, second));
         meeting += expected == 0.0 ? 1 : 0;
         inside += expected < 0.0 ? 1 : 0;
       });
@@ -251,9 +264,8 @@ TEST(NearestPair, OfSurfacesOfUnlikeSizesEqualsBruteForceBitForBit) {
     const double size = std::ldexp(1.0, 30 - static_cast<int>(generator() % 60));
     const CollisionMesh tool(test::cube(size));
     const Isometry3d pose = randomPlacement(generator, tool, organ);
-    ASSERT_EQ(nearestPair(tool, pose, organ).nearest.distance, truth(tool, pose, organ)) << size;
-    const Isometry3d back = pose.inverse();
-    ASSERT_EQ(nearestPair(organ, back, tool).nearest.distance, truth(organ, back, tool)) << size;
+    ASSERT_NO_FATAL_FAILURE(expectTruth(tool, pose, organ)) << size;
+    ASSERT_NO_FATAL_FAILURE(expectTruth(organ, pose.inverse(), tool)) << size;
   }
 }
 
@@ -275,13 +287,8 @@ TEST(NearestPair, OfASurfaceWithATriangleAstrayEqualsBruteForceBitForBit) {
     const CollisionMesh organ(TriangleMesh(std::move(points), std::move(triangles)));
     for (int i = 0; i < 10; ++i) {
       const Isometry3d pose = test::randomPose(generator, 0.7);
-      ASSERT_EQ(std::abs(nearestPair(tool, pose, organ).nearest.distance),
-                std::abs(truth(tool, pose, organ)))
-          << exponent;
-      const Isometry3d back = pose.inverse();
-      ASSERT_EQ(std::abs(nearestPair(organ, back, tool).nearest.distance),
-                std::abs(truth(organ, back, tool)))
-          << exponent;
+      ASSERT_NO_FATAL_FAILURE(expectTruth(tool, pose, organ)) << exponent;
+      ASSERT_NO_FATAL_FAILURE(expectTruth(organ, pose.inverse(), tool)) << exponent;
     }
   }
 }
@@ -293,9 +300,8 @@ TEST(NearestPair, OfDeepHierarchiesEqualsBruteForceBitForBit) {
   const CollisionMesh second(test::shuffled(test::halvings(25), 1));
   for (std::size_t i = 0; i < queryCount(30); ++i) {
     const Isometry3d pose = randomPlacement(generator, first, second);
-    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
-    const Isometry3d back = pose.inverse();
-    ASSERT_EQ(nearestPair(second, back, first).nearest.distance, truth(second, back, first));
+    ASSERT_NO_FATAL_FAILURE(expectTruth(first, pose, second));
+    ASSERT_NO_FATAL_FAILURE(expectTruth(second, pose.inverse(), first));
   }
 }
 
@@ -318,7 +324,7 @@ TEST(NearestPair, OfNeedlesEqualsBruteForceBitForBit) {
     const CollisionMesh first = needles();
     const CollisionMesh second = needles();
     const Isometry3d pose = test::randomPose(generator, 1.0);
-    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
+    ASSERT_NO_FATAL_FAILURE(expectTruth(first, pose, second));
   }
 }
 
@@ -336,7 +342,7 @@ TEST(NearestPair, OfParallelSurfacesEqualsBruteForceBitForBit) {
     const Isometry3d pose = tilt *
                             at(0, 0, std::ldexp(1.0, static_cast<int>(generator() % 8) - 4)) *
                             Eigen::AngleAxisd(turn, Vector3d::UnitZ());
-    ASSERT_EQ(nearestPair(first, pose, second).nearest.distance, truth(first, pose, second));
+    ASSERT_NO_FATAL_FAILURE(expectTruth(first, pose, second));
   }
 }
 
