@@ -66,7 +66,7 @@ Vector3d placeClearOf(const CollisionMesh& solid, const CollisionMesh& other,
   std::vector<VertexId> around = {vertex};
   std::vector<bool> known(other.mesh().positions().size());
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const Vector3d place = place_of(around[i]);
+    Vector3d place = place_of(around[i]);
     if (nearestTriangle(solid, place, {}, Sign::kNone).distance > rounding) return place;
     for (const TriangleId triangle :
          other.topology().trianglesAt(other.topology().weld(around[i]))) {

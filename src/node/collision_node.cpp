@@ -349,9 +349,10 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
 void CollisionNode::warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot) {
   std::vector<std::string> sentences = core::warnings(snapshot.organ.health());
   const std::vector<std::string>& known = health_told_[organ];
+  const std::string since = "'" + organ + "', since it was updated: ";
   for (const std::string& sentence : sentences) {
     if (std::count(known.begin(), known.end(), sentence) > 0) continue;
-    const std::string warning = "'" + organ + "', since it was updated: " + sentence;
+    const std::string warning = since + sentence;
     if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
   }
   health_told_[organ] = std::move(sentences);
