@@ -4,12 +4,16 @@
 #include <cstdio>
 #include <ctime>
 #include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "bounding_volumes/volumes.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organs.h"
 #include "tools/arguments.h"
 #include "tools/output.h"
+#include "tools/program.h"
 #include "tools/statistics.h"
 #include "tools/tip_samples.h"
 
@@ -104,7 +108,9 @@ void compareOn(const core::CollisionMesh& organ, const std::vector<Queries>& ban
   report.add<BoxesInParentsFrame>("8-wide in one frame", wide, bands);
 }
 
-int run(const tools::Arguments& arguments) {
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--output", "--queries", "--seed"});
+  arguments.requireNoWords();
   const std::size_t count = arguments.whole("--queries", 2000);
   if (count == 0) throw tools::UsageError("--queries 0: one or more are wanted");
   const std::filesystem::path folder = arguments.option("--output").value_or(".");
@@ -116,19 +122,15 @@ int run(const tools::Arguments& arguments) {
   }
   tools::writeFile(folder / "bounding_volumes.csv", report.csv);
   std::printf("\nAnswers that differ from the library's: %zu\n", report.mismatches);
-  return report.mismatches == 0 ? 0 : 1;
+  if (report.mismatches > 0) throw std::runtime_error("answers differ");
 }
 
 }  // namespace
 }  // namespace organ_collision::bench
 
 int main(int count, char** words) {
-  using organ_collision::tools::Arguments;
-  try {
-    return organ_collision::bench::run(Arguments(std::vector<std::string>(words + 1, words + count),
-                                                 {"--output", "--queries", "--seed"}));
-  } catch (const std::exception& error) {
-    std::cerr << "bounding_volumes: " << error.what() << std::endl;
-    return 1;
-  }
+  using namespace organ_collision;
+  return tools::runProgram(
+      {"bounding_volumes", "usage: bounding_volumes [--output DIR] [--queries N] [--seed N]\n"},
+      {words + 1, words + count}, std::cout, std::cerr, bench::run);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -18,6 +19,8 @@
 #include "organ_collision/core/collision_mesh.h"
 #include "organs.h"
 #include "test_meshes.h"
+#include "tools/arguments.h"
+#include "tools/program.h"
 
 namespace organ_collision {
 namespace {
@@ -137,7 +140,10 @@ double costOf(Boxes& boxes, const core::Points& tips, std::size_t queries, doubl
   return least;
 }
 
-void run(const std::string& name) {
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--organ"});
+  arguments.requireNoWords();
+  const std::string name = arguments.option("--organ").value_or("liver");
   const core::TriangleMesh mesh = bench::organNamed(name);
   const core::FarthestPairTree tree(mesh);
   Boxes boxes(tree, mesh);
@@ -161,4 +167,8 @@ void run(const std::string& name) {
 }  // namespace
 }  // namespace organ_collision
 
-int main(int argc, char** argv) { organ_collision::run(argc > 1 ? argv[1] : "liver"); }
+int main(int count, char** words) {
+  using namespace organ_collision;
+  return tools::runProgram({"hybrid_refit", "usage: hybrid_refit [--organ ORGAN]\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, run);
+}

@@ -8,6 +8,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -19,6 +20,8 @@
 #include "organ_collision/io/mesh_io.h"
 #include "organs.h"
 #include "test_meshes.h"
+#include "tools/arguments.h"
+#include "tools/program.h"
 
 namespace organ_collision {
 namespace {
@@ -210,16 +213,18 @@ void measure(const std::string& name, int count) {
   measureJaw(organ, count);
 }
 
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--poses"});
+  if (arguments.words().empty()) throw tools::UsageError("no organ, but one or more are wanted");
+  for (const std::string& organ : arguments.words())
+    measure(organ, static_cast<int>(arguments.whole("--poses", 1000)));
+}
+
 }  // namespace
 }  // namespace organ_collision
 
-int main(int argc, char** argv) {
-  try {
-    if (argc < 3) throw std::invalid_argument("usage: shape_figures POSES ORGAN...");
-    for (int i = 2; i < argc; ++i) organ_collision::measure(argv[i], std::stoi(argv[1]));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "shape_figures: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+int main(int count, char** words) {
+  using namespace organ_collision;
+  return tools::runProgram({"shape_figures", "usage: shape_figures [--poses N] ORGAN...\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, run);
 }

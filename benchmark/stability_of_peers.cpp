@@ -16,7 +16,9 @@
 
 #include "reference/triangle_pairs.h"
 #include "stability/peers.h"
+#include "tools/arguments.h"
 #include "tools/output.h"
+#include "tools/program.h"
 #include "tools/stability.h"
 
 namespace organ_collision {
@@ -198,12 +200,10 @@ void print(const std::string& heading, const std::vector<Row>& rows, const std::
   }
 }
 
-}  // namespace
-}  // namespace organ_collision
-
-int main(int count, char** words) {
-  using namespace organ_collision;
-  const tools::Trials trials(count > 1 ? std::stoul(words[1]) : 10'000);
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--points"});
+  arguments.requireNoWords();
+  const tools::Trials trials(arguments.whole("--points", 10'000));
   const std::vector<Peer> all = peers();
   std::vector<Row> rows;
   for (const tools::Extreme& extreme : tools::extremes()) {
@@ -220,4 +220,13 @@ int main(int count, char** words) {
   print("Two triangles, worst error in u*extent", rows, all, kTriangles, errorCell);
   print("Do two triangles meet, wrong answers", rows, all, kMeet, wrongCell);
   printLine("published cases in 72 orders each", published, kMeet, wrongCell);
+}
+
+}  // namespace
+}  // namespace organ_collision
+
+int main(int count, char** words) {
+  using namespace organ_collision;
+  return tools::runProgram({"stability_of_peers", "usage: stability_of_peers [--points N]\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, run);
 }

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
+#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,6 +17,9 @@
 #include "node/stopwatch.h"
 #include "node/wear.h"
 #include "organs.h"
+#include "tools/arguments.h"
+#include "tools/output.h"
+#include "tools/program.h"
 #include "tools/svg_plot.h"
 
 namespace organ_collision {
@@ -197,21 +200,29 @@ tools::Figure drawn(const std::vector<Figures>& all) {
           2};
 }
 
-}  // namespace
-}  // namespace organ_collision
-
-int main(int argc, char** argv) {
-  using namespace organ_collision;
-  if (argc == 3 && std::string(argv[1]) == "--organ") {
-    const core::TriangleMesh mesh = bench::organNamed(argv[2]);
-    std::printf("%s of %zu triangles\n", argv[2], mesh.triangleCount());
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--output", "--organ"});
+  arguments.requireNoWords();
+  if (const auto organ = arguments.option("--organ")) {
+    const core::TriangleMesh mesh = bench::organNamed(*organ);
+    std::printf("%s of %zu triangles\n", organ->c_str(), mesh.triangleCount());
     print(updatesOf(mesh));
-    return 0;
+    return;
   }
   std::vector<Figures> all;
   for (const std::size_t levels : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
     all.push_back(measure(levels));
     print(all.back());
   }
-  if (argc > 1) std::ofstream(argv[1]) << tools::svg(drawn(all));
+  if (const auto file = arguments.option("--output")) tools::writeFile(*file, svg(drawn(all)));
+}
+
+}  // namespace
+}  // namespace organ_collision
+
+int main(int count, char** words) {
+  using namespace organ_collision;
+  return tools::runProgram(
+      {"update_figures", "usage: update_figures [--output FILE.svg] | --organ ORGAN\n"},
+      {words + 1, words + count}, std::cout, std::cerr, run);
 }

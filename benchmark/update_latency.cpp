@@ -9,6 +9,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <iostream>
 #include <memory>
 #include <random>
 #include <string>
@@ -20,6 +21,8 @@
 #include "node/stopwatch.h"
 #include "organs.h"
 #include "test_meshes.h"
+#include "tools/arguments.h"
+#include "tools/program.h"
 
 namespace organ_collision {
 namespace {
@@ -132,7 +135,10 @@ class Load {
   std::vector<std::thread> threads_;
 };
 
-void run(double duration) {
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--seconds"});
+  arguments.requireNoWords();
+  const double duration = arguments.aboveZero("--seconds", 10.0);  // each of the three
   pin(pthread_self(), false);  // the organ's background thread inherits that
   node::Organ organ("organ", "organ", bench::organNamed(kOrgan));
   const core::Points original = organ.snapshot()->organ.mesh().positions();
@@ -190,6 +196,8 @@ void run(double duration) {
 }  // namespace
 }  // namespace organ_collision
 
-int main(int argc, char** argv) {
-  organ_collision::run(argc > 1 ? std::stod(argv[1]) : 10.0);  // [s] each
+int main(int count, char** words) {
+  using namespace organ_collision;
+  return tools::runProgram({"update_latency", "usage: update_latency [--seconds S]\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, run);
 }

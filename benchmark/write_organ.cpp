@@ -3,7 +3,9 @@
 #include <iostream>
 
 #include "organs.h"
+#include "tools/arguments.h"
 #include "tools/output.h"
+#include "tools/program.h"
 
 namespace organ_collision::bench {
 namespace {
@@ -23,20 +25,16 @@ std::string obj(const core::TriangleMesh& mesh) {
   return text;
 }
 
+void run(const std::vector<std::string>& words) {
+  if (words.size() != 2) throw tools::UsageError("an organ and a file are wanted");
+  tools::writeFile(words[1], obj(organNamed(words[0])));
+}
+
 }  // namespace
 }  // namespace organ_collision::bench
 
 int main(int count, char** words) {
   using namespace organ_collision;
-  if (count != 3) {
-    std::cerr << "usage: write_organ ORGAN FILE.obj\n";
-    return 2;
-  }
-  try {
-    tools::writeFile(words[2], bench::obj(bench::organNamed(words[1])));
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << "write_organ: " << error.what() << std::endl;
-    return 1;
-  }
+  return tools::runProgram({"write_organ", "usage: write_organ ORGAN FILE.obj\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, bench::run);
 }

@@ -21,6 +21,7 @@
 #include "organs.h"
 #include "tools/arguments.h"
 #include "tools/output.h"
+#include "tools/program.h"
 #include "tools/statistics.h"
 #include "workloads.h"
 
@@ -282,7 +283,8 @@ std::string json(const Result& result, std::size_t triangles, double update_rate
          ",\n  \"histogram_us\": [" + histogram(latencies) + "]\n}\n";
 }
 
-void run(const tools::Arguments& arguments) {
+void run(const std::vector<std::string>& words) {
+  const tools::Arguments arguments(words, {"--output", "--seconds", "--updates"});
   const std::filesystem::path folder = arguments.option("--output").value_or(".");
   tools::requireWritableFolder(folder);
   const auto updates = static_cast<double>(arguments.whole("--updates", 60));
@@ -299,12 +301,7 @@ void run(const tools::Arguments& arguments) {
 int main(int count, char** words) {
   using namespace organ_collision;
   ros::init(count, words, "node_latency");
-  try {
-    bench::run(
-        tools::Arguments({words + 1, words + count}, {"--output", "--seconds", "--updates"}));
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << "node_latency: " << error.what() << std::endl;
-    return 1;
-  }
+  return tools::runProgram(
+      {"node_latency", "usage: node_latency [--output DIR] [--seconds S] [--updates HZ]\n"},
+      {words + 1, words + count}, std::cout, std::cerr, bench::run);
 }

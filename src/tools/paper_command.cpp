@@ -1,6 +1,5 @@
 #include "paper_command.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 
@@ -8,6 +7,7 @@
 #include "output.h"
 #include "paper_experiment.h"
 #include "paper_report.h"
+#include "program.h"
 #include "progress.h"
 
 namespace organ_collision::tools {
@@ -67,20 +67,8 @@ void run(const Options& options, std::ostream& out) {
 }  // namespace
 
 int reproducePaper(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors) {
-  try {
-    if (std::find(words.begin(), words.end(), "--help") != words.end()) {
-      out << kUsage;
-      return 0;
-    }
-    run(optionsFrom(words), out);
-    return 0;
-  } catch (const UsageError& error) {
-    errors << "reproduce_paper: " << error.what() << "; --help shows how it is used" << std::endl;
-    return 2;
-  } catch (const std::exception& error) {
-    errors << "reproduce_paper: " << error.what() << std::endl;
-    return 1;
-  }
+  return runProgram({"reproduce_paper", kUsage}, words, out, errors,
+                    [&](const auto& options) { run(optionsFrom(options), out); });
 }
 
 }  // namespace organ_collision::tools

@@ -1,11 +1,12 @@
 #include "stability_command.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <stdexcept>
 
 #include "arguments.h"
 #include "output.h"
+#include "program.h"
 #include "progress.h"
 #include "stability_report.h"
 
@@ -58,35 +59,22 @@ Stability measureAll(const Library& library, const Options& options) {
   return stability;
 }
 
-/// Returns whether all promises are kept.
-bool run(const Library& library, const Options& options, std::ostream& out) {
+/// Throws std::runtime_error where a promise is broken.
+void run(const Library& library, const Options& options, std::ostream& out) {
   requireWritableFolder(options.output);
   const Stability stability = measureAll(library, options);
   const std::filesystem::path file = options.output / "stability.csv";
   writeFile(file, csv(stability));
   out << report(stability) << "\nWritten: " << file.string() << std::endl;
-  return brokenPromises(stability).empty();
+  if (!brokenPromises(stability).empty()) throw std::runtime_error("a promise is broken");
 }
 
 }  // namespace
 
 int measureStability(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors,
                      const Library& library) {
-  try {
-    if (std::find(words.begin(), words.end(), "--help") != words.end()) {
-      out << kUsage;
-      return 0;
-    }
-    if (run(library, optionsFrom(words), out)) return 0;
-    errors << "measure_stability: a promise is broken" << std::endl;
-    return 1;
-  } catch (const UsageError& error) {
-    errors << "measure_stability: " << error.what() << "; --help shows how it is used" << std::endl;
-    return 2;
-  } catch (const std::exception& error) {
-    errors << "measure_stability: " << error.what() << std::endl;
-    return 1;
-  }
+  const auto measure = [&](const auto& options) { run(library, optionsFrom(options), out); };
+  return runProgram({"measure_stability", kUsage}, words, out, errors, measure);
 }
 
 }  // namespace organ_collision::tools

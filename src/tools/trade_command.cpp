@@ -1,6 +1,5 @@
 #include "trade_command.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
@@ -9,6 +8,7 @@
 #include "arguments.h"
 #include "organ_collision/io/mesh_io.h"
 #include "output.h"
+#include "program.h"
 #include "progress.h"
 #include "tip_samples.h"
 #include "trade.h"
@@ -122,20 +122,8 @@ void run(const Options& options, std::ostream& out, std::ostream& errors) {
 }  // namespace
 
 int measureTrade(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors) {
-  try {
-    if (std::find(words.begin(), words.end(), "--help") != words.end()) {
-      out << kUsage;
-      return 0;
-    }
-    run(optionsFrom(words), out, errors);
-    return 0;
-  } catch (const UsageError& error) {
-    errors << "measure_trade: " << error.what() << "; --help shows how it is used" << std::endl;
-    return 2;
-  } catch (const std::exception& error) {
-    errors << "measure_trade: " << error.what() << std::endl;
-    return 1;
-  }
+  return runProgram({"measure_trade", kUsage}, words, out, errors,
+                    [&](const auto& options) { run(optionsFrom(options), out, errors); });
 }
 
 }  // namespace organ_collision::tools
