@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "node/cube_organ.h"
 #include "node/frames.h"
@@ -268,6 +269,23 @@ TEST_F(ContactCycleTest, CountsAsAQuestionThatTellsWear) {
   for (int i = 0; i < 1024; ++i) contacts(ros::Time(100.0));
   organs_[0]->work();
   EXPECT_NE(organs_[0]->costRatio(), 1.0);
+}
+
+TEST_F(ContactCycleTest, CountsAsAQuestionOfTheAccuracyThatItHad) {
+  ros::Time now(100.0);
+  for (const bool is_greedy : {false, true}) {
+    organs_[0] = std::make_unique<Organ>("liver", "liver", test::blob(4));
+    organs_[0]->update({{}, crushed(test::blob(4).positions())}, UpdateMode::kRefit, 0);
+    for (int i = 0; i < 1024; ++i) {
+      now += ros::Duration(0.01);
+      place("liver", "left_tip", {0.0, 1e-4 * i, 0.05}, now);
+      cycle_.lookUpTips();
+      cycle_.contacts(now, is_greedy ? core::Accuracy::greedy() : core::Accuracy::exact());
+    }
+    organs_[0]->work();
+    const std::string figures = organs_[0]->builds().figures;
+    EXPECT_EQ(figures.find(", 0 % more answers wrong") == std::string::npos, is_greedy) << figures;
+  }
 }
 
 TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {

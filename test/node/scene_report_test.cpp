@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <memory>
+#include <string>
 
 #include "test_meshes.h"
 
@@ -26,8 +29,11 @@ TEST(SceneReport, TellsForWhomEachThingWasBuilt) {
   Organs organs;
   for (const char* const name : {"liver", "spleen", "wall"})
     organs.push_back(std::make_unique<Organ>(name, name, test::cube()));
-  const core::RigidMesh jaw{std::make_shared<const core::CollisionMesh>(test::cube()),
+  const core::RigidMesh jaw{std::make_shared<const core::CollisionMesh>(test::blob(4)),
                             Eigen::Isometry3d::Identity(), true};
+  std::array<char, 32> megabytes{};
+  std::snprintf(megabytes.data(), megabytes.size(), "%.2f",
+                1e-6 * static_cast<double>(jaw.surface->memory()));
   const Instruments instruments = {{"tip", "tip", {Eigen::Vector3d(0, 0, 0)}, 0.0},
                                    {"jaw", "jaw", {jaw, core::Sphere{{0, 0, 0}, 1}}, 0.25},
                                    {"unused", "unused", {}, 0.0}};
@@ -37,7 +43,8 @@ TEST(SceneReport, TellsForWhomEachThingWasBuilt) {
   EXPECT_THAT(told[1], StartsWith("spleen: hierarchy of 12 triangles for liver: 0.00"));
   EXPECT_THAT(told[2], HasSubstr("for no pair, but the services"));
   EXPECT_THAT(told[3], StartsWith("tip: point for liver, jaw: 0.000 MB"));
-  EXPECT_THAT(told[4], StartsWith("jaw: convex mesh of 12 triangles, sphere for liver, tip: 0.00"));
+  EXPECT_THAT(told[4], StartsWith("jaw: convex mesh of 2048 triangles, sphere for liver, tip: " +
+                                  std::string(megabytes.data())));
   EXPECT_THAT(told[4], HasSubstr("built in 0.2500 s"));
   EXPECT_EQ(told[5], "unused: in no pair: nothing built");
 }
