@@ -9,15 +9,16 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter  # n
 
 YARDSTICK = "Embree"
 KNOWN = "Embree, previous known"
+PLAIN = "plain search, unmeasured"
 OWN_UPDATE, THEIR_UPDATE = "this library", "Embree, refit"
-ORDER = ["greedy", "greedy, unsigned", "4 leaves", "16 leaves", "1 %", "exact", "exact, unsigned",
+ORDER = ["greedy, unmeasured", "greedy, unsigned", "greedy", "4 leaves", "16 leaves", "1 %", "exact", "exact, unsigned",
          "exact, previous known", "exact, unsigned, previous known", "exact, all cores", YARDSTICK,
          "Embree, robust", KNOWN, "Embree, all cores", "CGAL", "CGAL, previous known", "FCL OBBRSS",
-         "nanoflann on centroids", "brute force", OWN_UPDATE, OWN_UPDATE + ", partial", THEIR_UPDATE, "Embree, static",
+         "nanoflann on centroids", PLAIN, "plain search, float", "brute force", OWN_UPDATE, OWN_UPDATE + ", partial", THEIR_UPDATE, "Embree, static",
          "FCL OBBRSS, top down", "Bullet", "Bullet, partial"]
 SHARES_AT = 32768  # triangles, about, of the organ of which some vertices move in the plot
 # For want of room: who tells normal and sign is not far from who does not.
-NOT_DRAWN = ["greedy", "4 leaves", "exact", "exact, previous known", "Embree, robust"]
+NOT_DRAWN = ["greedy", "plain search, float", "4 leaves", "exact", "exact, previous known", "Embree, robust"]
 COLOURS = ["#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"]  # Okabe and Ito (2008)
 
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/triangle_mesh.h"
 #include "tools/output.h"
 
@@ -34,8 +35,11 @@ struct Work {
 class Contender {
  public:
   virtual ~Contender() = default;
-  /// Replaces `distances` by the unsigned distance of each tip.
+  /// Replaces `distances` by the unsigned distance of each tip. Timed, unlike measure().
   virtual void answer(const core::Points& tips, std::vector<double>& distances) = 0;
+  /// The same of the last answer, by one who answers with triangles alone and leaves `distances`
+  /// be.
+  virtual void measure(const core::Points& /*tips*/, std::vector<double>& /*distances*/) {}
   /// Of the last answer; nothing from one who does not count.
   virtual std::optional<Work> work() const { return std::nullopt; }
 };
@@ -97,6 +101,17 @@ struct Method {
       build;
 };
 
+/// Measures one triangle for each tip.
+inline void measureEach(const core::TriangleMesh& mesh,
+                        const std::vector<core::TriangleId>& triangles, const core::Points& tips,
+                        std::vector<double>& distances) {
+  distances.clear();
+  for (std::size_t i = 0; i < tips.size(); ++i) {
+    distances.push_back(std::sqrt(
+        core::closestPointOnTriangle(tips[i], mesh.triangle(triangles.at(i))).squared_distance));
+  }
+}
+
 /// No limit to the tips or triangles of an entrant or a method.
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
@@ -107,6 +122,7 @@ std::vector<Entrant> embreeEntrants(const core::TriangleMesh& mesh);
 std::vector<Entrant> cgalEntrants(const core::TriangleMesh& mesh);
 std::vector<Entrant> fclEntrants(const core::TriangleMesh& mesh);
 std::vector<Entrant> nanoflannEntrants(const core::TriangleMesh& mesh);
+std::vector<Entrant> paperEntrants(const core::TriangleMesh& mesh);
 
 std::vector<Method> libraryMethods();
 std::vector<Method> embreeMethods();

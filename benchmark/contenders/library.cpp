@@ -59,6 +59,25 @@ auto nearestFollowed(Sign sign) {
   };
 }
 
+/// Asks for triangles alone, as the paper's search does.
+class Unmeasured : public Contender {
+ public:
+  explicit Unmeasured(Organ organ) : organ_(std::move(organ)) {}
+
+  void answer(const core::Points& tips, std::vector<double>& /*distances*/) override {
+    triangles_.clear();
+    for (const Eigen::Vector3d& tip : tips)
+      triangles_.push_back(core::greedyTriangle(*organ_, tip));
+  }
+  void measure(const core::Points& tips, std::vector<double>& distances) override {
+    measureEach(organ_->mesh(), triangles_, tips, distances);
+  }
+
+ private:
+  Organ organ_;
+  std::vector<core::TriangleId> triangles_;
+};
+
 /// Asks all tips in one call.
 class AllAtOnce : public Contender {
  public:
@@ -168,6 +187,7 @@ std::vector<Entrant> libraryEntrants(const core::TriangleMesh& mesh) {
        std::make_shared<AllAtOnce>(organ)},
       setting("greedy", Accuracy::greedy()),
       setting("greedy, unsigned", Accuracy::greedy(), Sign::kNone),
+      {"greedy, unmeasured", singly, std::nullopt, kAll, std::make_shared<Unmeasured>(organ)},
       setting("4 leaves", {0.0, 0.0, 4}),
       setting("16 leaves", {0.0, 0.0, 16}),
       setting("1 %", {0.01, 0.0, 0}),

@@ -9,9 +9,12 @@
 namespace organ_collision::core {
 namespace {
 
-/// What the rounding of two poles makes of the difference of their squared distances from a tip, as
-/// a part of both their offsets from it; see greedy_search.cpp.
-constexpr float kOffsetRounding = 0x1p-20F;
+// What rounding makes of the difference of the squared distances from two poles, besides
+// Descent::rounding; see greedy_search.cpp.
+constexpr float kApartRounding = 0x1p-19F;     // as a part of reach times the poles' distance
+constexpr float kOffsetRounding = 0x1p-20F;    // of their offsets from the tip
+constexpr float kPlaneRounding = 0x1p-15F;     // of the reach: both together, at most
+constexpr float kSquareRounding = 0x1.1p-36F;  // squared, of reach^2 times the sum of the squares
 
 constexpr std::uint64_t kEachByte = 0x0101010101010101U;
 
@@ -21,42 +24,50 @@ inline std::uint32_t firstZero(std::uint64_t bytes) {
   return static_cast<std::uint32_t>(__builtin_ctzll(zeros)) / 8;
 }
 
-/// Which way splits lead, by bits, and whether that is sure.
-struct Signs {
-  std::uint32_t firsts, sure;
-};
-
-/// Where they lead to.
+/// Where splits lead to.
 struct Choice {
-  std::uint32_t set;     ///< a lane
-  std::uint32_t splits;  ///< on the way
-  bool sure;             ///< about all of them
+  std::uint32_t set;    ///< a lane
+  std::uint32_t above;  ///< the splits on the way, by bits
+  std::uint32_t splits() const { return static_cast<std::uint32_t>(__builtin_popcount(above)); }
+  /// Whether all of these are among those that are sure.
+  bool isSure(std::uint32_t sure) const { return (above & ~sure) == 0; }
 };
 
-/// The set to which splits lead, from a lane on.
-inline Choice chosenSet(const SplitPaths& paths, std::uint32_t first, const Signs& signs) {
-  const std::uint64_t wrong = (signs.firsts * kEachByte & paths.above) ^ paths.firsts;
+/// From a lane on; `firsts`: those splits, by bits, that lead to their first set.
+inline Choice chosenSet(const SplitPaths& paths, std::uint32_t first, std::uint32_t firsts) {
+  const std::uint64_t wrong = (firsts * kEachByte & paths.above) ^ paths.firsts;
   const std::uint32_t set = first + firstZero(wrong >> (8 * first));
-  const std::uint32_t above = paths.above >> (8 * set) & 0xFFU;
-  return {set, static_cast<std::uint32_t>(__builtin_popcount(above)), (above & ~signs.sure) == 0};
+  return {set, static_cast<std::uint32_t>(paths.above >> (8 * set)) & 0xFFU};
 }
 
 /// The differences of the squared distances from the poles, as the planes between them tell.
-inline Signs signsOf(const Descent& descent, const NodeSplits& node) {
+inline Lanes<float> sidesOf(const Descent& descent, const NodeSplits& node) {
   const Vector<float> tip = vectorOf<float>(descent.tip);
   const LaneVector<float> apart = load<float>(node.apart);
   const LaneVector<float> twice = everywhere(tip + tip);
-  const Lanes<float> sides = (twice.x * apart.x + twice.y * apart.y) +
-                             (twice.z * apart.z - Lanes<float>::load(node.middle.data()));
-  const float of_offset =
-      kOffsetRounding * 2 * (reachOf(relative(tip, node.origin)) + node.radius) + descent.least;
-  const Lanes<float> rounding =
-      Lanes<float>::all(descent.of_apart) * reachOf(apart) + Lanes<float>::all(of_offset);
-  return {signsOf(sides), (rounding <= magnitudeOf(sides)).bits()};
+  return (twice.x * apart.x + twice.y * apart.y) +
+         (twice.z * apart.z - Lanes<float>::load(node.middle.data()));
 }
 
-/// From the squares.
-inline Signs signsOf(const Descent& descent, const PacketSplits& packet) {
+/// Those of them, by bits, that no node's rounding turns.
+inline std::uint32_t clearSides(const Descent& descent, const Lanes<float>& sides) {
+  const float rounding = kPlaneRounding * descent.reach + descent.rounding;
+  return (Lanes<float>::all(rounding) <= magnitudeOf(sides)).bits();
+}
+
+/// Those that this node's rounding does not turn.
+inline std::uint32_t sureSides(const Descent& descent, const NodeSplits& node,
+                               const Lanes<float>& sides) {
+  const Vector<float> offset = relative(vectorOf<float>(descent.tip), node.origin);
+  const Lanes<float> of_apart =
+      Lanes<float>::all(kApartRounding * descent.reach) * reachOf(load<float>(node.apart));
+  const float of_offset = kOffsetRounding * 2 * (reachOf(offset) + node.radius) + descent.rounding;
+  return (of_apart + Lanes<float>::all(of_offset) <= magnitudeOf(sides)).bits();
+}
+
+/// The same from the squared distances themselves, and which of them are sure.
+inline Lanes<float> sidesOf(const Descent& descent, const PacketSplits& packet,
+                            std::uint32_t& sure) {
   const auto& [x, y, z] = packet.centroids;
   const LaneVector<float> centroids = {Lanes<float>::copy(x.data()), Lanes<float>::copy(y.data()),
                                        Lanes<float>::copy(z.data())};
@@ -65,34 +76,46 @@ inline Signs signsOf(const Descent& descent, const PacketSplits& packet) {
   const Lanes<float> one = permuted(squares, packet.poles[0]);
   const Lanes<float> other = permuted(squares, packet.poles[1]);
   const Lanes<float> sides = one - other;
-  const Lanes<float> rounding = Lanes<float>::all(descent.of_squares) * (one + other) +
-                                Lanes<float>::all(4 * descent.least * descent.least);
-  return {signsOf(sides), (rounding <= sides * sides).bits()};
+  const Lanes<float> rounding =
+      Lanes<float>::all(kSquareRounding * descent.reach * descent.reach) * (one + other) +
+      Lanes<float>::all(4 * descent.rounding * descent.rounding);
+  sure = (rounding <= sides * sides).bits();
+  return sides;
 }
 
 /// From descent.node to a leaf; false, at some node, where rounding could decide wrongly.
 inline bool descend(Descent& descent) {
-  for (;;) {
-    const NodeSplits& node = descent.nodes[descent.node];
-    const Signs signs = signsOf(descent, node);
-    descent.firsts = signs.firsts;
-    descent.sure = signs.sure;
-    const Choice below = chosenSet(node.paths, 0, signs);
-    if (!below.sure) return false;
+  for (std::uint32_t node_number = descent.node;;) {
+    const NodeSplits& node = descent.nodes[node_number];
+    const Lanes<float> sides = sidesOf(descent, node);
+    const Choice below = chosenSet(node.paths, 0, signsOf(sides));
+    if (!below.isSure(clearSides(descent, sides))) {  // seldom
+      descent.node = node_number;
+      descent.firsts = signsOf(sides);
+      descent.sure = sureSides(descent, node, sides);
+      if (!below.isSure(descent.sure)) return false;
+    }
     const std::uint32_t set = node.sets[below.set];
     if ((set & kPacketBit) == 0) {
-      descent.node = set;
-      descent.splits += below.splits;
+      node_number = set;
+      descent.splits += below.splits();
       continue;
     }
     const std::uint32_t number = (set & ~kPacketBit) / kLaneCount;
     const std::uint32_t first_leaf = descent.triangles[number].first_leaf;
     __builtin_prefetch(descent.leaf_corners + first_leaf);  // what comes next waits for them
     const PacketSplits& packet = descent.packets[number];
-    const Choice leaf = chosenSet(packet.paths, set % kLaneCount, signsOf(descent, packet));
+    std::uint32_t sure;
+    const Lanes<float> packet_sides = sidesOf(descent, packet, sure);
+    const Choice leaf = chosenSet(packet.paths, set % kLaneCount, signsOf(packet_sides));
+    if (!leaf.isSure(sure)) {
+      descent.node = node_number;
+      descent.sure = 0;  // from the node on, all is asked again
+      return false;
+    }
     descent.leaf = first_leaf + leaf.set;
-    descent.splits += leaf.sure ? below.splits + leaf.splits : 0;
-    return leaf.sure;
+    descent.splits += below.splits() + leaf.splits();
+    return true;
   }
 }
 

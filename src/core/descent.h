@@ -16,11 +16,8 @@ struct Descent {
   const TrianglePacket* triangles;  ///< of the packets
   const Corners* leaf_corners;      ///< of them, by leaf
   std::array<float, 3> tip;
-  /// Rounding makes less of the difference of the squared distances from two poles than, where it
-  /// is told from the plane between them, of_apart times their distance, kOffsetRounding times
-  /// their offsets from the tip, and `least`; where it is told from squares, than the root of
-  /// of_squares times the sum of the squares and 4 * least^2.
-  float of_apart, least, of_squares;
+  float reach;     ///< 1 and the largest magnitude of the tip's coordinates, at least
+  float rounding;  ///< of differences of squared distances in double precision
 
   std::uint32_t node = 0;    ///< that it has come to: all before is decided
   std::uint32_t splits = 0;  ///< before

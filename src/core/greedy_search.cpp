@@ -16,16 +16,12 @@ using Set = FarthestPairTree::Set;
 // poles' distances from the tip. In single precision centroids are off by d <= 9 * 2^-25 in each
 // coordinate (edges may be 2 long), the tip by 2^-25 * r. Of the difference of the squares that
 // makes 2*d*o + 2^-24*r*a. What is calculated adds, from the poles' plane,
-// 2^-24*o + (2^-21 + 2^-21*r)*a; from squares, 2^-21*s.
-
-/// Of r*a; of o it is kOffsetRounding (descend.h).
-constexpr double kApartRounding = 0x1p-19;
-/// From squares, with a <= o, o^2 <= 6*s and s <= 6*r^2, all is below 2^-18.5 * r * sqrt(s).
-/// Squared together with a further term it is below this times r^2*s, and four times that term's
-/// square.
-constexpr double kSquareRounding = 0x1p-36;
-/// The same for the distances to the poles themselves, in double precision.
-constexpr double kPoleRounding = 0x1p-46;
+// 2^-24*o + (2^-21 + 2^-21*r)*a; from squares, 2^-21*s. So of r*a it is below kApartRounding
+// (descend.h), of o below kOffsetRounding. No centroid has a coordinate above 1: a <= 6, and what
+// stands for o, twice the sum of a pole's offset and the node's radius, is at most 18*r; both
+// together are below kPlaneRounding of r. From squares, with a <= o, o^2 <= 6*s and s <= 6*r^2, all
+// is below 2^-18.5 * r * sqrt(s). Squared together with a further term it is below kSquareRounding
+// times r^2*s, and four times that term's square.
 
 /// By the poles of the mesh.
 bool isNearerToFirstPole(const CollisionMesh& organ, const Set& set, const Eigen::Vector3d& tip) {
@@ -79,23 +75,6 @@ std::optional<FarthestPairTree::Leaf> descendExactly(const CollisionMesh& organ,
 }
 
 }  // namespace
-
-Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
-  const UnitFrame& frame = organ.wideTree().frame();
-  const GreedyGuide& guide = organ.wideTree().guide();
-  const Eigen::Vector3d unit_tip = frame(tip);
-  const double reach = 1.0 + largestCoordinate(unit_tip);
-  const double offset_of_mesh = largestCoordinate(frame.centre) * frame.scale;
-  const Eigen::Vector3f place = unit_tip.cast<float>();
-  return {guide.nodes.data(),
-          guide.packets.data(),
-          organ.wideTree().packets().data(),
-          organ.wideTree().corners().data(),
-          {place.x(), place.y(), place.z()},
-          static_cast<float>(kApartRounding * reach),
-          static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh)),
-          static_cast<float>(kSquareRounding * reach * reach)};
-}
 
 GreedyPath greedySearch(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
   Descent descent = descentTo(organ, tip);

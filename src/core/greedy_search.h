@@ -19,6 +19,23 @@ struct GreedyPath {
 GreedyPath greedySearch(const CollisionMesh& organ, const Eigen::Vector3d& tip);
 
 /// How the search sets out in single precision.
-Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip);
+inline Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
+  /// What rounding makes of differences of squared distances from the poles of the mesh, of r and
+  /// the reach of both.
+  constexpr double kPoleRounding = 0x1p-46;
+  const UnitFrame& frame = organ.wideTree().frame();
+  const GreedyGuide& guide = organ.wideTree().guide();
+  const Eigen::Vector3d unit_tip = frame(tip);
+  const double reach = 1.0 + largestCoordinate(unit_tip);
+  const double offset_of_mesh = largestCoordinate(frame.centre) * frame.scale;
+  const Eigen::Vector3f place = unit_tip.cast<float>();
+  return {guide.nodes.data(),
+          guide.packets.data(),
+          organ.wideTree().packets().data(),
+          organ.wideTree().corners().data(),
+          {place.x(), place.y(), place.z()},
+          static_cast<float>(reach),
+          static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh))};
+}
 
 }  // namespace organ_collision::core

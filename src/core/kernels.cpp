@@ -4,6 +4,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "organ_collision/core/vector_unit.h"
@@ -23,15 +24,8 @@ PlainBox joined(PlainBox box, const PlainBox& other) {
 }  // namespace
 
 const Kernels& kernels() {
-  switch (vectorUnit()) {
-    case VectorUnit::kAvx512:
-      return kAvx512Kernels;
-    case VectorUnit::kAvx2:
-      return kAvx2Kernels;
-    case VectorUnit::kBaseline:
-      break;
-  }
-  return kBaselineKernels;
+  static constexpr std::array kAll = {&kBaselineKernels, &kAvx2Kernels, &kAvx512Kernels};
+  return *kAll[static_cast<std::size_t>(vectorUnit())];
 }
 
 PlainBox boxOfPoints(const double* points, std::size_t count) {

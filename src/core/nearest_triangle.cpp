@@ -97,4 +97,9 @@ NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
   return nearestTo(organ, TriangleTip(tip), accuracy, sign);
 }
 
+TriangleId greedyTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
+  requireUsable(tip, "tip", 0);
+  return organ.tree().triangle(greedySearch(organ, tip).end);
+}
+
 }  // namespace organ_collision::core

@@ -18,15 +18,6 @@ void requireFewEnough(std::size_t count, const char* what) {
                               ": more than 32-bit indices allow");
 }
 
-/// Apart from the question, which every query asks.
-[[noreturn]] void refuse(const Eigen::Vector3d& position, const char* what, std::size_t number) {
-  std::ostringstream message;
-  message << what << " " << number << " is at (" << position.x() << ", " << position.y() << ", "
-          << position.z() << ") m: coordinates must be finite and below " << kLargestCoordinate
-          << " m";
-  throw std::invalid_argument(message.str());
-}
-
 /// Returns the positions' box.
 Box requireAllUsable(const Points& positions) {
   if (positions.empty()) return {};
@@ -48,12 +39,12 @@ double sumInAnyOrder(double p, double q, double r) {
 
 }  // namespace
 
-bool isUsable(const Eigen::Vector3d& position) {
-  return (position.array().abs() < kLargestCoordinate).all();
-}
-
-void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
-  if (!isUsable(position)) refuse(position, what, number);
+void refuseUnusable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
+  std::ostringstream message;
+  message << what << " " << number << " is at (" << position.x() << ", " << position.y() << ", "
+          << position.z() << ") m: coordinates must be finite and below " << kLargestCoordinate
+          << " m";
+  throw std::invalid_argument(message.str());
 }
 
 TriangleMesh::TriangleMesh(Points positions, std::vector<Corners> triangles)

@@ -75,6 +75,7 @@ TEST(NearestTriangle, GreedyEqualsALiteralTranscriptionOfThePaper) {
       const Eigen::Vector3d tip = randomTip(generator, organ);
       const NearestTriangle nearest = nearestTriangle(organ, tip, Accuracy::greedy());
       ASSERT_EQ(nearest.triangle, paper.search(tip));
+      ASSERT_EQ(greedyTriangle(organ, tip), nearest.triangle);
       ASSERT_EQ(nearest.work.triangles, 1U);
     }
     const Triangle tip = randomTriangle(generator, organ);
@@ -139,6 +140,8 @@ TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT([&] { nearestTriangle(cube, Eigen::Vector3d(0, nan, 0)); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
+  EXPECT_THAT([&] { greedyTriangle(cube, Eigen::Vector3d(nan, 0, 0)); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
   EXPECT_THAT(
       [&] {

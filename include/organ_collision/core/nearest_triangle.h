@@ -67,4 +67,9 @@ NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Triangle& tip,
                                 const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 
+/// The paper's search alone: the triangle that Accuracy::greedy() answers with, not measured.
+/// Throws std::invalid_argument for a point that is not usable. O(depth); does not allocate.
+/// Source: Muñoz, Diaz León, Trefftz, Quid 19 (2012), algorithm 2.
+TriangleId greedyTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip);
+
 }  // namespace organ_collision::core

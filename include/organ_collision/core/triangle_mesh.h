@@ -14,9 +14,16 @@ namespace organ_collision::core {
 constexpr double kLargestCoordinate = 1e150;
 
 /// All coordinates are finite and of a magnitude below kLargestCoordinate.
-bool isUsable(const Eigen::Vector3d& position);
-/// Throws std::invalid_argument naming `what` and its `number` unless the position is usable.
-void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number);
+inline bool isUsable(const Eigen::Vector3d& position) {
+  return (position.array().abs() < kLargestCoordinate).all();
+}
+/// Throws std::invalid_argument naming `what`, its `number` and the position.
+[[noreturn]] void refuseUnusable(const Eigen::Vector3d& position, const char* what,
+                                 std::size_t number);
+/// The same, unless the position is usable; every query asks that.
+inline void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
+  if (!isUsable(position)) refuseUnusable(position, what, number);
+}
 
 /// Triangles over shared vertices, numbered as in the file that they came from.
 /// Invariants: at least one triangle; every corner names a vertex; every position is finite and
