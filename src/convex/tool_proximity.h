@@ -1,22 +1,17 @@
 #pragma once
 
-#include <optional>
-
 #include "organ_collision/core/instrument.h"
 #include "organ_collision/core/proximity.h"
 
-// Instruments against each other: what needs no triangles because it is convex. Uses FCL.
+// Instruments against each other: what needs no triangles because it is convex.
 namespace organ_collision::convex {
 
-/// Of the convex hulls of two shapes in one frame, by GJK, and EPA for the depth where they
-/// overlap: so unlike that of two surfaces the distance tells how deep. The bounds do not rest on
-/// GJK's tolerance: the extents of both hulls along the normal prove lower_bound, which is mostly
-/// within 1e-8 of the shapes' size of upper_bound, the distance. Nothing where GJK or EPA find no
-/// answer, as where the hulls just touch. REQUIRES: requireUsable() of both. Cost: grows with the
-/// meshes' vertices, microseconds for dozens, milliseconds for thousands. Source: E. Gilbert, D.
-/// Johnson and S. Keerthi, "A fast procedure for computing the distance between complex objects in
-/// three-dimensional space" (1988), in FCL's implementation.
-std::optional<core::Proximity> hullProximity(const core::Shape& first, const core::Shape& second);
+/// Of the convex hulls of two shapes in one frame, by hullDistance(): so unlike that of two
+/// surfaces the distance tells how deep they overlap. The bounds do not rest on the precision of
+/// GJK and EPA: the extents of both hulls along the normal prove lower_bound, which is mostly
+/// within 1e-8 of the shapes' size of upper_bound, the distance. REQUIRES: requireUsable() of both.
+/// Cost: grows with the meshes' vertices, microseconds for dozens, milliseconds for thousands.
+core::Proximity hullProximity(const core::Shape& first, const core::Shape& second);
 
 /// Of two instruments: the nearest of their pieces. Pieces of which one is a convex mesh and the
 /// other convex or round by hullProximity(), all others by core::proximity(); in the second's

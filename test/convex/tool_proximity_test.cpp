@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -28,6 +29,7 @@ using test::queryCount;
 constexpr double kSize = 1.0;            // [m] of what is asked about below
 constexpr double kGjk = 1e-6 * kSize;    // [m] how well GJK finds a distance of it
 constexpr double kDepth = 1e-4 * kSize;  // [m] and EPA a depth
+constexpr double kTight = 1e-8;          // [m] and how near the bounds are to each other
 constexpr double kRounding = 1e-14;      // [m] of coordinates of that size
 
 RigidMesh box(const Vector3d& size, const Isometry3d& pose = Isometry3d::Identity()) {
@@ -42,44 +44,40 @@ Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translati
 
 TEST(HullProximity, OfTwoBoxesIsTheGapBetweenThem) {
   const auto apart = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.25, 0, 2)));
-  ASSERT_TRUE(apart);
-  EXPECT_NEAR(apart->distance, 1.0, kGjk);
-  EXPECT_NEAR(apart->normal.z(), 1.0, kGjk);
-  EXPECT_NEAR(apart->point_on_first.z(), 0.5, kGjk);
-  EXPECT_FALSE(apart->colliding);
-  EXPECT_TRUE(apart->colliding_certain);
+  EXPECT_NEAR(apart.distance, 1.0, kGjk);
+  EXPECT_NEAR(apart.normal.z(), 1.0, kGjk);
+  EXPECT_NEAR(apart.point_on_first.z(), 0.5, kGjk);
+  EXPECT_FALSE(apart.colliding);
+  EXPECT_TRUE(apart.colliding_certain);
 }
 
 TEST(HullProximity, OfTwoBoxesThatOverlapIsTheirDepth) {
   const auto deep = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.0625, 0.03125, 0.75)));
-  ASSERT_TRUE(deep);
-  EXPECT_NEAR(deep->distance, -0.25, kDepth);
-  EXPECT_NEAR(deep->normal.z(), 1.0, kDepth);
-  EXPECT_NEAR(deep->point_on_first.z(), 0.5, kDepth);
-  EXPECT_NEAR(deep->point_on_second.z(), 0.25, kDepth);
-  EXPECT_TRUE(deep->colliding);
+  EXPECT_NEAR(deep.distance, -0.25, kDepth);
+  EXPECT_NEAR(deep.normal.z(), 1.0, kDepth);
+  EXPECT_NEAR(deep.point_on_first.z(), 0.5, kDepth);
+  EXPECT_NEAR(deep.point_on_second.z(), 0.25, kDepth);
+  EXPECT_TRUE(deep.colliding);
 }
 
 TEST(HullProximity, TakesTheRadiusOfARoundShapeOff) {
   const auto above = hullProximity(Capsule{{0, 0, 2}, {1, 0, 3}, 0.25}, box({1, 1, 1}));
-  ASSERT_TRUE(above);
-  EXPECT_NEAR(above->distance, 1.25, kGjk);
-  EXPECT_NEAR(above->point_on_first.z(), 1.75, kGjk);
-  EXPECT_NEAR(above->normal.z(), -1.0, kGjk);
+  EXPECT_NEAR(above.distance, 1.25, kGjk);
+  EXPECT_NEAR(above.point_on_first.z(), 1.75, kGjk);
+  EXPECT_NEAR(above.normal.z(), -1.0, kGjk);
 }
 
 TEST(HullProximity, OfShapesThatJustTouchIsACollision) {
   const auto touching = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 0.75}, 0.25});
-  ASSERT_TRUE(touching);
-  ASSERT_EQ(touching->distance, 0.0);
-  EXPECT_TRUE(touching->colliding);
+
+  ASSERT_EQ(touching.distance, 0.0);
+  EXPECT_TRUE(touching.colliding);
 }
 
 TEST(HullProximity, TakesTheRadiusOfTheSecondOffItsOwnPoint) {
   const auto below = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 2}, 0.25});
-  ASSERT_TRUE(below);
-  EXPECT_NEAR(below->point_on_first.z(), 0.5, kGjk);
-  EXPECT_NEAR(below->point_on_second.z(), 1.75, kGjk);
+  EXPECT_NEAR(below.point_on_first.z(), 0.5, kGjk);
+  EXPECT_NEAR(below.point_on_second.z(), 1.75, kGjk);
 }
 
 TEST(HullProximity, FillsTheHollowOfAMeshThatIsNotConvex) {
@@ -90,7 +88,7 @@ TEST(HullProximity, FillsTheHollowOfAMeshThatIsNotConvex) {
   const RigidMesh hollow{std::make_shared<const CollisionMesh>(walls), Isometry3d::Identity(),
                          true};
   const Sphere between{{0.25, 0.25, 0.5}, 0.0625};
-  EXPECT_TRUE(hullProximity(hollow, between)->colliding);
+  EXPECT_TRUE(hullProximity(hollow, between).colliding);
   EXPECT_FALSE(core::proximity(hollow, between).colliding);
 }
 
@@ -118,23 +116,19 @@ TEST(HullProximity, AgreesWithTheTrianglesAndTheAnalyticAnswer) {
     const Shape second = randomConvex(generator);
     const auto hulls = hullProximity(first, second);
     const Proximity exact = core::proximity(first, second);
-    if (!hulls) {
-      ASSERT_LE(std::abs(exact.distance), kGjk);  // they just touch
-      continue;
-    }
-    ASSERT_LE(hulls->lower_bound, hulls->upper_bound);
+    ASSERT_LE(hulls.lower_bound, hulls.upper_bound);
     const bool meshes_overlap =
         exact.colliding && !(core::roundShape(first) && core::roundShape(second));
     if (meshes_overlap) {  // the triangles tell that, not how deep
-      ASSERT_LE(hulls->lower_bound, kRounding);
-      ASSERT_LE(hulls->distance, kGjk);
+      ASSERT_LE(hulls.lower_bound, kRounding);
+      ASSERT_LE(hulls.distance, kGjk);
       continue;
     }
     ++apart;
-    ASSERT_LE(hulls->lower_bound, exact.distance + kRounding);
-    ASSERT_GE(hulls->upper_bound, exact.distance - kGjk);
-    ASSERT_NEAR(hulls->distance, exact.distance, kGjk);
-    ASSERT_GE(hulls->lower_bound, exact.distance - kGjk);
+    ASSERT_LE(hulls.lower_bound, exact.distance + kRounding);
+    ASSERT_GE(hulls.upper_bound, exact.distance - kGjk);
+    ASSERT_NEAR(hulls.distance, exact.distance, kGjk);
+    ASSERT_GE(hulls.lower_bound, exact.distance - kGjk);
   }
   EXPECT_GT(apart, count / 10);
 }
@@ -148,14 +142,110 @@ TEST(HullProximity, IsCertainThatNothingCollidesOnlyWhereTheGapIsProven) {
     Shape second = randomConvex(generator);
     for (const double gap : {1e-8, 1e-16, 0.0}) {
       const auto found = hullProximity(first, second);
-      if (!found || found->colliding) break;
-      ASSERT_EQ(found->colliding_certain, found->lower_bound > 0.0);
-      if (!found->colliding_certain) ++uncertain;
-      const Vector3d closer = (gap - found->distance) * found->normal;
+      if (found.colliding) break;
+      ASSERT_EQ(found.colliding_certain, found.lower_bound > 0.0);
+      if (!found.colliding_certain) ++uncertain;
+      const Vector3d closer = (gap - found.distance) * found.normal;
       second = core::transformed(second, Isometry3d(Eigen::Translation3d(closer)));
     }
   }
   EXPECT_GT(uncertain, 0U);
+}
+
+/// Of boxes, the largest gap along any of the 15 normals that may separate them.
+double gapOfBoxes(const Vector3d& size, const Isometry3d& first, const Isometry3d& second) {
+  std::vector<Vector3d> normals;
+  for (int i = 0; i < 3; ++i) {
+    normals.insert(normals.end(), {first.linear().col(i), second.linear().col(i)});
+    for (int k = 0; k < 3; ++k)
+      normals.emplace_back(first.linear().col(i).cross(second.linear().col(k)).normalized());
+  }
+  double gap = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& normal : normals) {
+    const double reach = 0.5 * ((first.linear().transpose() * normal).cwiseAbs().dot(size) +
+                                (second.linear().transpose() * normal).cwiseAbs().dot(size));
+    gap = std::max(gap, std::abs(normal.dot(second.translation() - first.translation())) - reach);
+  }
+  return gap;
+}
+
+TEST(HullProximity, OfBoxesThatOverlapIsTheLeastDepthOfAll) {
+  std::mt19937 generator(96);
+  const Vector3d size(1.0, 0.5, 0.25);
+  std::size_t overlaps = 0;
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d first = test::randomPose(generator, 0.3);
+    const Isometry3d second = test::randomPose(generator, 0.3);
+    const double gap = gapOfBoxes(size, first, second);
+    if (gap >= 0.0) continue;
+    ++overlaps;
+    const Proximity found = hullProximity(box(size, first), box(size, second));
+    ASSERT_NEAR(found.distance, gap, kTight);
+    ASSERT_NEAR(found.lower_bound, gap, kTight);
+    ASSERT_NEAR(found.normal.dot(found.point_on_second - found.point_on_first), gap, kTight);
+  }
+  EXPECT_GT(overlaps, queryCount(1000) / 10);
+}
+
+/// Where GJK and EPA know no normal any more.
+TEST(HullProximity, IsAsGoodWhereHullsAllButTouch) {
+  std::mt19937 generator(97);
+  const Vector3d size(0.25, 0.5, 1.0);
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d pose =
+        generator() % 3 == 0 ? Isometry3d::Identity() : test::randomPose(generator, 0.5);
+    const int axis = static_cast<int>(generator() % 3);
+    Vector3d at = 0.4375 * test::randomPoint(generator, 1.0).cwiseProduct(size);
+    const double aside =
+        generator() % 5 == 0 ? 0.0 : std::ldexp(1.0, -20 - static_cast<int>(generator() % 35));
+    const double gap = generator() % 2 == 0 ? aside : -aside;
+    at[axis] = 0.5 * size[axis] + gap;
+    const Vector3d out = pose.linear().col(axis);
+    const Proximity round = hullProximity(box(size, pose), Sphere{pose * at, 0.0625});
+    ASSERT_LE(round.lower_bound, gap - 0.0625 + kRounding);
+    ASSERT_GE(round.lower_bound, gap - 0.0625 - kTight);
+    ASSERT_NEAR(round.upper_bound, gap - 0.0625, kTight);
+    ASSERT_NEAR((round.normal - out).norm(), 0.0, kGjk);
+    at[axis] += 0.5 * size[axis];
+    const Proximity stacked =
+        hullProximity(box(size, pose), box(size, pose * Eigen::Translation3d(at)));
+    ASSERT_LE(stacked.lower_bound, gap + kRounding);
+    ASSERT_GE(stacked.lower_bound, gap - kTight);
+    ASSERT_NEAR(stacked.upper_bound, gap, kTight);
+    ASSERT_NEAR((stacked.normal - out).norm(), 0.0, kGjk);
+  }
+}
+
+TEST(HullProximity, OfCrossingShaftsFollowsThemThroughTheTouch) {
+  const Isometry3d turned = at(0, 0, 0) * Eigen::AngleAxisd(1.25, Vector3d(1, 0, 0));
+  const RigidMesh shaft = cylinder(0.0078125, 1.0, Isometry3d::Identity());
+  for (int i = -300; i < 300; ++i) {
+    const double apart = 0.015625 + 1e-8 * i;
+    const Proximity found =
+        hullProximity(shaft, cylinder(0.0078125, 1.0, at(apart, 0, 0) * turned));
+    ASSERT_NEAR(found.distance, 1e-8 * i, kTight);
+    ASSERT_NEAR(found.lower_bound, 1e-8 * i, kTight);
+  }
+}
+
+TEST(HullProximity, OfFlatHullsInOnePlaneIsThatTheyTouch) {
+  std::mt19937 generator(98);
+  const auto flat = [](const Isometry3d& pose, const Vector3d& corner) {
+    const core::TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, corner}, {test::corners(0, 1, 2)});
+    return RigidMesh{std::make_shared<const CollisionMesh>(mesh), pose, true};
+  };
+  for (std::size_t i = 0; i < queryCount(200); ++i) {
+    const Isometry3d pose = test::randomPose(generator, 0.5);
+    for (const Vector3d& corner : {Vector3d(0, 1, 0), Vector3d(0.5, 0, 0), Vector3d(0, 0, 0)}) {
+      for (const Shape& other :
+           {Shape(flat(pose, {0.25, 0.5, 0})), Shape(Sphere{pose * Vector3d(0, 0, 0), 0}),
+            Shape(Capsule{pose * Vector3d(-1, 0, 0), pose * Vector3d(1, 0, 0), 0})}) {
+        const Proximity found = hullProximity(flat(pose, corner), other);
+        ASSERT_NEAR(found.lower_bound, 0.0, kTight);
+        ASSERT_NEAR(found.upper_bound, 0.0, kTight);
+      }
+    }
+  }
 }
 
 TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
@@ -165,10 +255,9 @@ TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
     const Shape second = randomConvex(generator);
     const auto there = hullProximity(first, second);
     const auto back = hullProximity(second, first);
-    if (!there || !back) continue;
-    ASSERT_NEAR(there->distance, back->distance, kDepth);
-    if (there->distance < 0.01 * kSize) continue;  // overlapping: there may be two ways out
-    ASSERT_NEAR((there->normal + back->normal).norm(), 0.0,
+    ASSERT_NEAR(there.distance, back.distance, kDepth);
+    if (there.distance < 0.01 * kSize) continue;  // overlapping: there may be two ways out
+    ASSERT_NEAR((there.normal + back.normal).norm(), 0.0,
                 1e-2);  // kGjk over the distance, its root
   }
 }
@@ -201,8 +290,7 @@ TEST(HullProximity, IsProvenWhereGjkAndEpaEndTooEarly) {
       {through, box({0.25, 0.125, 0.0625}, posed(third))}};
   for (const auto& [one, other] : pairs) {
     for (const auto& found : {hullProximity(one, other), hullProximity(other, one)}) {
-      ASSERT_TRUE(found.has_value());
-      EXPECT_NEAR(found->lower_bound, found->upper_bound, kGjk);
+      EXPECT_NEAR(found.lower_bound, found.upper_bound, kGjk);
     }
   }
 }
@@ -216,9 +304,9 @@ TEST(HullProximity, DependsOnNoSize) {
     const auto usual = hullProximity(box({1, 2, 3}), Capsule{{4, 1, 0.5}, {4, 2, 3}, 0.25});
     const auto small_deep =
         hullProximity(box(scale * Vector3d(3, 3, 3)), Sphere{scale * Vector3d(0, 0.1, 1), scale});
-    EXPECT_NEAR(small_deep->distance, -1.5 * scale, kDepth * scale);
-    EXPECT_EQ(small->distance, scale * usual->distance);
-    EXPECT_EQ(small->lower_bound, scale * usual->lower_bound);
+    EXPECT_NEAR(small_deep.distance, -1.5 * scale, kDepth * scale);
+    EXPECT_EQ(small.distance, scale * usual.distance);
+    EXPECT_EQ(small.lower_bound, scale * usual.lower_bound);
   }
 }
 
@@ -253,6 +341,31 @@ TEST(ToolProximity, LeavesAMeshThatIsNotCalledConvexAsItIs) {
   EXPECT_TRUE(ask().triangle_of_first.has_value());
   blob.convex = true;
   EXPECT_FALSE(ask().triangle_of_first.has_value());
+}
+
+/// A jaw with two prongs, and what comes into its opening.
+TEST(ToolProximity, FillsTheHollowOfAMeshThatIsCalledConvexWhereItTouchesToo) {
+  core::Points points;
+  std::vector<core::Corners> triangles;
+  for (const auto& [size, middle] : {std::pair(Vector3d(3, 1, 1), Vector3d(0, 0, 0)),
+                                     std::pair(Vector3d(1, 1, 3), Vector3d(1, 0, 1)),
+                                     std::pair(Vector3d(1, 1, 3), Vector3d(-1, 0, 1))}) {
+    const core::TriangleMesh part = io::boxMesh(size);
+    for (const core::Corners& corners : part.triangles()) {
+      const std::size_t first = points.size();
+      for (const core::VertexId corner : corners) points.push_back(part.position(corner) + middle);
+      triangles.push_back(test::corners(first, first + 1, first + 2));
+    }
+  }
+  const core::Shapes jaw = {
+      RigidMesh{std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)),
+                Isometry3d::Identity(), true}};
+  for (const double aside : {1e-3, 1e-7, 0.0, -1e-7, -1e-3}) {
+    const core::Shapes ball = {Sphere{{0, 0, 2.5 + aside}, 0.125}};
+    const Proximity found = toolProximity(jaw, Isometry3d::Identity(), ball, {});
+    EXPECT_NEAR(found.distance, aside - 0.125, kTight);
+    EXPECT_TRUE(found.colliding);
+  }
 }
 
 TEST(ToolProximity, AsksTheTrianglesIfOneIsNotConvex) {

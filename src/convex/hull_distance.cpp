@@ -1,0 +1,192 @@
+#include "convex/hull_distance.h"
+
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "convex/polytope.h"
+
+namespace organ_collision::convex {
+namespace {
+
+using core::Points;
+using Eigen::Vector3d;
+using Gjk = fcl::detail::GJK<double>;
+
+constexpr double kProven = 1e-9;  // of the size 1
+constexpr unsigned kIterations = 500;
+constexpr double kPrecision = 1e-12;
+
+/// Two hulls as FCL asks for them.
+class Pair {
+ public:
+  Pair(const Points& first, const Points& second)
+      : first_(convexOf(first)), second_(convexOf(second)) {
+    difference_.shapes[0] = &first_;
+    difference_.shapes[1] = &second_;
+    difference_.toshape1.setIdentity();
+    difference_.toshape0.setIdentity();
+  }
+
+  const fcl::detail::MinkowskiDiff<double>& difference() const { return difference_; }
+
+  /// The point of each hull that a point of their difference stands for.
+  HullDistance at(const Gjk::Simplex& simplex) const {
+    HullDistance found{};
+    for (std::size_t i = 0; i < simplex.rank; ++i) {
+      const Vector3d& direction = simplex.c[i]->d;
+      found.on_first += simplex.p[i] * difference_.support(direction, 0);
+      found.on_second += simplex.p[i] * difference_.support(-direction, 1);
+    }
+    return found;
+  }
+
+ private:
+  static fcl::Convexd convexOf(const Points& points) {
+    // Its support function looks at the corners alone: no faces are wanted.
+    return {std::make_shared<const std::vector<Vector3d>>(points), 0,
+            std::make_shared<const std::vector<int>>()};
+  }
+
+  fcl::Convexd first_, second_;
+  fcl::detail::MinkowskiDiff<double> difference_;
+};
+
+bool isProven(const HullDistance& found) { return found.most - found.gap <= kProven; }
+
+/// The gap along the normal, which the points' offset tells.
+HullDistance measured(HullDistance found, const Vector3d& apart, const Points& first,
+                      const Points& second) {
+  found.normal = apart.stableNormalized();
+  found.gap = std::min(gapAlong(found.normal, first, second), found.most);
+  return found;
+}
+
+/// By GJK; nothing unless the hulls are apart. FCL's ends too early in one of some hundred pairs,
+/// where its simplex has become flat: it starts anew from there until the gap proves the distance.
+/// FCL's other GJK, that on libccd, takes a corner that is as far as the last for the end of the
+/// search, so aligned boxes stop it each time.
+std::optional<HullDistance> byGjk(const Points& first, const Points& second) {
+  constexpr int kAttempts = 32;
+  const Pair pair(first, second);
+  std::optional<HullDistance> best;
+  Vector3d guess = Vector3d::UnitX();
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    Gjk gjk(kIterations, kPrecision);
+    if (gjk.evaluate(pair.difference(), guess) != Gjk::Valid) return best;
+    HullDistance found = pair.at(*gjk.getSimplex());
+    const Vector3d apart = found.on_second - found.on_first;
+    if (!apart.allFinite()) return best;
+    if (apart.isZero(0.0)) return std::nullopt;
+    found.most = apart.norm();
+    if (!best || found.most < best->most) best = measured(found, apart, first, second);
+    if (isProven(*best)) return best;
+    // From there, or from more and more nearly there.
+    guess = -best->normal;
+    if (attempt % 2 != 0) guess = Vector3d::Unit(attempt % 3) - 0.125 * attempt * best->normal;
+  }
+  return best;
+}
+
+/// By EPA. REQUIRES: the corners are not in one plane.
+HullDistance byEpa(const Polytope::FourCorners& corners, const Points& first,
+                   const Points& second) {
+  constexpr int kSteps = 256;
+  Polytope polytope(corners);
+  for (int i = 0; i < kSteps; ++i) {
+    const Polytope::Face& nearest = polytope.nearestPlane();
+    const Polytope::Corner corner = farthestCorner(nearest.normal, first, second);
+    if (nearest.normal.dot(corner.place) - nearest.offset <= kProven / 8) break;
+    if (!polytope.add(corner)) break;
+  }
+  HullDistance found = polytope.nearestPoints();
+  const Polytope::Face& nearest = polytope.nearestPlane();
+  const double offset = (found.on_second - found.on_first).norm();
+  found.most = nearest.offset > 0.0 ? -offset : offset;
+  found.normal = nearest.normal;
+  found.gap = std::min(gapAlong(found.normal, first, second), found.most);
+  return found;
+}
+
+Points moved(Points points, const Vector3d& shift) {
+  for (Vector3d& point : points) point += shift;
+  return points;
+}
+
+/// Uphill from a normal to one along which the gap is largest, or the depth least, of all nearby:
+/// pushed apart along it, the hulls have a distance that GJK knows well, and its normal is better.
+HullDistance uphill(const Points& first, const Points& second, const Vector3d& normal) {
+  constexpr int kSteps = 16;
+  constexpr double kRoom = 0x1p-7;
+  constexpr double kRounding = 1e-15;
+  const double gap_there = gapAlong(normal, first, second);
+  HullDistance best = {gap_there, gap_there, normal, farthest(first, normal),
+                       farthest(second, -normal)};
+  for (int i = 0; i < kSteps; ++i) {
+    const Vector3d shift = (kRoom - best.gap) * best.normal;
+    const std::optional<HullDistance> apart = byGjk(first, moved(second, shift));
+    if (!apart) break;
+    const double gap = gapAlong(apart->normal, first, second);
+    const double gained = gap - best.gap;
+    if (gained < -kRounding) break;
+    best = {gap, gap, apart->normal, apart->on_first, apart->on_second - shift};
+    if (gained <= kRounding) break;
+  }
+  return best;
+}
+
+const HullDistance& higher(const HullDistance& one, const HullDistance& other) {
+  return one.gap > other.gap ? one : other;
+}
+
+/// Of the plane that they are about in.
+Vector3d normalOf(const Polytope::FourCorners& corners) {
+  const Vector3d along = corners[1].place - corners[0].place;
+  const Vector3d normal = along.cross(corners[2].place - corners[0].place);
+  if (normal.norm() > kProven * along.squaredNorm()) return normal.stableNormalized();
+  return along.isZero(0.0) ? Vector3d(1, 0, 0) : along.unitOrthogonal();  // all but on a line
+}
+
+}  // namespace
+
+const Vector3d& farthest(const Points& points, const Vector3d& direction) {
+  return *std::max_element(points.begin(), points.end(),
+                           [&](const Vector3d& left, const Vector3d& right) {
+                             return left.dot(direction) < right.dot(direction);
+                           });
+}
+
+double gapAlong(const Vector3d& unit, const Points& first, const Points& second) {
+  return unit.dot(farthest(second, -unit) - farthest(first, unit));
+}
+
+HullDistance hullDistance(const Points& first, const Points& second) {
+  const std::optional<HullDistance> apart = byGjk(first, second);
+  if (apart && isProven(*apart)) return *apart;
+  const Polytope::FourCorners corners = farCorners(first, second);
+  std::optional<HullDistance> deep;
+  if (!areInOnePlane(corners)) deep = byEpa(corners, first, second);
+  if (deep && isProven(*deep)) return *deep;
+
+  const Vector3d normal = normalOf(corners);
+  HullDistance best = higher(uphill(first, second, normal), uphill(first, second, -normal));
+  best.most = (best.on_second - best.on_first).norm();
+  if (!apart) best.most = std::min(best.most, 0.0);  // hulls that are not apart share a point
+  for (const auto& known : {deep, apart}) {
+    if (!known) continue;
+    const double most = std::min(best.most, known->most);
+    best = higher(best, uphill(first, second, known->normal));
+    best.most = most;
+  }
+  best.most = std::max(best.gap, best.most);
+  return best;
+}
+
+}  // namespace organ_collision::convex
