@@ -135,7 +135,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
 
 void CollisionMesh::rebuild() {
   FarthestPairTree tree(mesh_);
-  wide_tree_ = WideTree(tree, mesh_, wide_tree_.frame());
+  wide_tree_ = WideTree(tree, mesh_, unitFrame(health_.box));
   tree_ = std::move(tree);
   splits_number_ = freshNumber();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "organ_collision/core/nearest_pair.h"
 
@@ -123,12 +124,24 @@ NearestTriangle nearestToShape(const Asker& asker, const Shape& shape, const Acc
   return inflated(nearestWithin(asker, round, accuracy), round);
 }
 
+/// An open organ has no inside, whatever is around it.
+NearestTriangle withoutSign(NearestTriangle nearest) {
+  nearest.distance_signed = false;
+  if (nearest.distance >= 0.0) return nearest;
+  nearest.distance = -nearest.distance;
+  nearest.lower_bound = -std::exchange(nearest.upper_bound, -nearest.lower_bound);
+  return nearest;
+}
+
 Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {
   requireUsable(shape);
+  const bool is_solid = asker.organ().health().isSolid();
   const NearestTriangle nearest = nearestToShape(asker, shape, accuracy);
   const bool colliding = nearest.distance <= 0.0;
-  const bool knows_side = nearest.distance_signed || !asker.organ().health().isSolid();
-  return {nearest, colliding, colliding || (nearest.lower_bound > 0.0 && knows_side)};
+  const bool knows_side = nearest.distance_signed || !is_solid;
+  const bool is_mesh = std::holds_alternative<RigidMesh>(shape);
+  return {is_mesh && !is_solid ? withoutSign(nearest) : nearest, colliding,
+          colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
 /// `asker(i)` asks for the i-th piece.
@@ -136,12 +149,14 @@ template <class AskerOf>
 Contact contactOf(const AskerOf& asker, const Shapes& shapes,
                   const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy) {
   Contact whole = contactOf(asker(0), transformed(shapes.front(), organ_from_shapes), accuracy);
+  bool any_colliding = whole.colliding;
   bool all_certain = whole.colliding_certain;
   bool all_signed = whole.nearest.distance_signed;
   double lower_bound = whole.nearest.lower_bound;
   SearchWork work = whole.nearest.work;
   for (std::size_t i = 1; i < shapes.size(); ++i) {
     const Contact piece = contactOf(asker(i), transformed(shapes[i], organ_from_shapes), accuracy);
+    any_colliding = any_colliding || piece.colliding;
     all_certain = all_certain && piece.colliding_certain;
     all_signed = all_signed && piece.nearest.distance_signed;
     lower_bound = std::min(lower_bound, piece.nearest.lower_bound);
@@ -154,7 +169,8 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
       perhaps_deeper ? -std::numeric_limits<double>::infinity() : lower_bound;
   whole.nearest.distance_signed = whole.nearest.distance_signed && (all_signed || whole.colliding);
   whole.nearest.work = work;
-  whole.colliding_certain = whole.colliding || all_certain;
+  whole.colliding = any_colliding;
+  whole.colliding_certain = any_colliding || all_certain;
   return whole;
 }
 

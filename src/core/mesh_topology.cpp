@@ -30,6 +30,22 @@ std::uint64_t hash(const Eigen::Vector3d& position) {
   return mixed;
 }
 
+std::vector<bool> usedVertices(const TriangleMesh& mesh) {
+  std::vector<bool> used(mesh.positions().size(), mesh.usesAllVertices());
+  if (mesh.usesAllVertices()) return used;
+  for (const Corners& corners : mesh.triangles())
+    for (const VertexId corner : corners) used[index(corner)] = true;
+  return used;
+}
+
+/// Where all of a set lead to: R. Tarjan, "Efficiency of a good but not linear set union algorithm"
+/// (1975), with the way halved.
+template <class Number>
+Number lowest(std::vector<Number>& leads_to, Number number) {
+  while (leads_to[number] != number) number = leads_to[number] = leads_to[leads_to[number]];
+  return number;
+}
+
 }  // namespace
 
 MeshTopology::MeshTopology(const TriangleMesh& mesh) {
@@ -40,8 +56,10 @@ MeshTopology::MeshTopology(const TriangleMesh& mesh) {
 }
 
 /// By a table of the welds so far, at most half full, each at or after the place of its hash.
+/// Vertices without a triangle are welded to nothing: they move where they like.
 void MeshTopology::weldVertices(const TriangleMesh& mesh) {
   const Points& positions = mesh.positions();
+  const std::vector<bool> used = usedVertices(mesh);
   std::size_t size = 1;
   while (size < 2 * positions.size()) size *= 2;
   std::vector<Weld> table(size, kNoWeld);
@@ -51,11 +69,13 @@ void MeshTopology::weldVertices(const TriangleMesh& mesh) {
     while (table[place] != kNoWeld &&
            positions[index(representatives_[table[place]])] != positions[i])
       place = (place + 1) & (size - 1);
-    if (table[place] == kNoWeld) {
-      table[place] = static_cast<Weld>(representatives_.size());
+    if (table[place] == kNoWeld || !used[i]) {
+      if (used[i]) table[place] = static_cast<Weld>(representatives_.size());
+      welds_.push_back(static_cast<Weld>(representatives_.size()));
       representatives_.push_back(static_cast<VertexId>(i));
+    } else {
+      welds_.push_back(table[place]);
     }
-    welds_.push_back(table[place]);
   }
   if (representatives_.size() == positions.size()) welds_ = {};
 }
@@ -74,19 +94,14 @@ void MeshTopology::listTriangles(const TriangleMesh& mesh) {
   }
 }
 
-/// Each weld leads to a lower one of its part, and so to the lowest: R. Tarjan, "Efficiency of a
-/// good but not linear set union algorithm" (1975), with the way halved.
+/// Each weld leads to a lower one of its part, and so to the lowest.
 void MeshTopology::listParts(const TriangleMesh& mesh) {
   std::vector<Weld> leads_to(representatives_.size());
   std::iota(leads_to.begin(), leads_to.end(), Weld{0});
-  const auto lowest = [&leads_to](Weld weld) {
-    while (leads_to[weld] != weld) weld = leads_to[weld] = leads_to[leads_to[weld]];
-    return weld;
-  };
   for (const Corners& corners : mesh.triangles()) {
-    const Weld a = lowest(weld(corners[0]));
-    const Weld b = lowest(weld(corners[1]));
-    const Weld c = lowest(weld(corners[2]));
+    const Weld a = lowest(leads_to, weld(corners[0]));
+    const Weld b = lowest(leads_to, weld(corners[1]));
+    const Weld c = lowest(leads_to, weld(corners[2]));
     const Weld least = std::min({a, b, c});
     leads_to[a] = leads_to[b] = leads_to[c] = least;
   }
@@ -98,6 +113,7 @@ void MeshTopology::listParts(const TriangleMesh& mesh) {
 struct MeshTopology::Findings {
   bool closed = true;
   bool consistently_wound = true;
+  bool one_fan_each = true;  // around every weld
   std::size_t duplicate_triangles = 0;
 };
 
@@ -109,7 +125,12 @@ class MeshTopology::Inspector {
       : topology_(topology), mesh_(mesh) {}
 
   void inspect(Weld weld, Findings& findings) {
-    if (isClosedFan(weld)) return;
+    bool is_one_fan = false;
+    if (areClosedFans(weld, is_one_fan)) {
+      findings.one_fan_each = findings.one_fan_each && is_one_fan;
+      return;
+    }
+    findings.one_fan_each = false;
     edges_.clear();
     opposite_sides_.clear();
     const TriangleId* last = nullptr;
@@ -136,17 +157,30 @@ class MeshTopology::Inspector {
   }
 
  private:
+  /// As many as are around nearly all vertices of an organ; some more; many.
   static constexpr std::size_t kFew = 8;
-  using Ends = std::array<Weld, kFew>;
+  static constexpr std::size_t kSome = 16;
+  static constexpr std::size_t kMany = 32;
 
-  /// Whether there are few triangles, each goes on where one other ends, and no two are each
-  /// other's back: as around nearly all vertices of an organ. It may be false of closed fans.
-  bool isClosedFan(Weld weld) const {
+  template <std::size_t kMost>
+  using Ends = std::array<Weld, kMost>;
+
+  /// Whether each triangle goes on where one other ends, and no two are each other's back; and
+  /// whether they are one fan, not several. It may be false of closed fans of very many triangles.
+  bool areClosedFans(Weld weld, bool& is_one_fan) const {
     const TriangleRange triangles = topology_.trianglesAt(weld);
     const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
-    if (count > kFew) return false;
-    Ends from;
-    Ends to;
+    if (count <= kFew) return areClosedFans<kFew>(weld, is_one_fan);
+    if (count <= kSome) return areClosedFans<kSome>(weld, is_one_fan);
+    return count <= kMany && areClosedFans<kMany>(weld, is_one_fan);
+  }
+
+  template <std::size_t kMost>
+  bool areClosedFans(Weld weld, bool& is_one_fan) const {
+    const TriangleRange triangles = topology_.trianglesAt(weld);
+    const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
+    Ends<kMost> from;
+    Ends<kMost> to;
     from.fill(kNoWeld);
     to.fill(kNoWeld);
     for (std::size_t i = 0; i < count; ++i) {
@@ -156,23 +190,35 @@ class MeshTopology::Inspector {
       from[i] = welds[(here + 1) % 3];
       to[i] = welds[(here + 2) % 3];
     }
+    std::array<std::uint32_t, kMost> next;
     std::size_t running_on = 0;
-    for (std::size_t i = 0; i < count; ++i) running_on += runsOn(from, to, i) ? 1 : 0;
-    return running_on == count;
+    for (std::size_t i = 0; i < count; ++i) running_on += runsOn(from, to, i, next[i]) ? 1 : 0;
+    if (running_on != count) return false;
+    std::size_t turn = 0;
+    for (std::size_t i = 0; turn < count; i = next[i], ++turn)
+      if (i == 0 && turn > 0) break;
+    is_one_fan = turn == count;
+    return true;
   }
 
-  /// Whether of a fan's triangles one comes before this, one after it, and none is its back.
-  static bool runsOn(const Ends& from, const Ends& to, std::size_t i) {
+  /// Whether of a fan's triangles one comes before this, one after it, `next`, and none is its
+  /// back.
+  template <std::size_t kMost>
+  static bool runsOn(const Ends<kMost>& from, const Ends<kMost>& to, std::size_t i,
+                     std::uint32_t& next) {
     std::uint32_t before = 0;
     std::uint32_t after = 0;
     std::uint32_t backs = 0;
-    for (std::size_t j = 0; j < kFew; ++j) {
+    std::uint32_t numbers = 0;
+    for (std::uint32_t j = 0; j < kMost; ++j) {
       const std::uint32_t comes_before = to[j] == from[i] ? 1U : 0U;
       const std::uint32_t comes_after = from[j] == to[i] ? 1U : 0U;
       before += comes_before;
       after += comes_after;
       backs += comes_before & comes_after;
+      numbers += comes_after * j;
     }
+    next = numbers;
     return ((before ^ 1U) | (after ^ 1U) | backs) == 0;
   }
 
@@ -215,11 +261,39 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
       [](const Findings& first, const Findings& second) {
         return Findings{first.closed && second.closed,
                         first.consistently_wound && second.consistently_wound,
+                        first.one_fan_each && second.one_fan_each,
                         first.duplicate_triangles + second.duplicate_triangles};
       });
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
+  one_piece_ = parts_.size() == 1 && (findings.one_fan_each || hangsTogether(mesh));
+}
+
+/// Across edges of two triangles.
+bool MeshTopology::hangsTogether(const TriangleMesh& mesh) const {
+  std::vector<std::size_t> leads_to(mesh.triangleCount());
+  std::iota(leads_to.begin(), leads_to.end(), std::size_t{0});
+  std::size_t pieces = leads_to.size();
+  const auto join = [&](std::size_t one, std::size_t other) {
+    one = lowest(leads_to, one);
+    other = lowest(leads_to, other);
+    if (one != other) --pieces;
+    leads_to[std::max(one, other)] = std::min(one, other);
+  };
+  std::vector<std::pair<Weld, std::size_t>> edges;  // by their other end
+  for (Weld here = 0; here < representatives_.size(); ++here) {
+    edges.clear();
+    for (const TriangleId triangle : trianglesAt(here))
+      for (const VertexId corner : mesh.corners(triangle))
+        if (weld(corner) > here) edges.emplace_back(weld(corner), index(triangle));
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
+      if (end - begin == 2) join(edges[begin].second, edges[begin + 1].second);
+    }
+  }
+  return pieces == 1;
 }
 
 std::size_t MeshTopology::memory() const {

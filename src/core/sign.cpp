@@ -203,7 +203,7 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
   const double height = -offset.dot(normal.direction);
   const bool clear = normal.is_clear && height * height > kClear * kClear * squaredLength(offset) &&
                      distance > 0x1p-30 * extent && !organ.isPerhapsFlat() &&
-                     organ.topology().parts().size() == 1;
+                     organ.topology().isOnePiece();
   const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
 }

@@ -29,16 +29,16 @@ bool ContactCycle::lookUpTips() {
   return news;
 }
 
-Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ros::Time& now,
+Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snapshot,
+                                Tracked& tracked, const ros::Time& now,
                                 const core::Accuracy& accuracy) {
   const PairPose& pose = tracked.pose;
   const Instrument& instrument = instruments_[pair.instrument];
   Organ& organ = *organs_[pair.organ];
-  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
   Contact contact;
   contact.instrument = instrument.name;
   contact.organ = organ.name();
-  contact.mesh_version = snapshot->version;
+  contact.mesh_version = snapshot.version;
   contact.status = Contact::NO_POSE;
   contact.nearest = noNearestTriangle(0.0);
   if (!pose.isKnown()) return contact;
@@ -47,10 +47,10 @@ Contact ContactCycle::contactOf(const io::Pair& pair, Tracked& tracked, const ro
   contact.age = pose.age(now);
   const core::Box box = core::boxOf(instrument.shapes, pose.secondFromFirst());
   core::Contact found{};
-  found.nearest.lower_bound = std::sqrt(squaredDistance(box, snapshot->organ.health().box));
+  found.nearest.lower_bound = std::sqrt(squaredDistance(box, snapshot.organ.health().box));
   found.nearest.tip_point = pose.secondFromFirst().translation();
   if (found.nearest.lower_bound <= scene_.max_distance) {
-    found = tracked.tracker.contact(snapshot->organ, snapshot->travel, instrument.shapes,
+    found = tracked.tracker.contact(snapshot.organ, snapshot.travel, instrument.shapes,
                                     pose.secondFromFirst(), accuracy);
     organ.account(found.nearest, accuracy);
   }
@@ -70,8 +70,10 @@ ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& 
   ContactArray array;
   array.header.frame_id = scene_.frame;
   array.contacts.reserve(tracked_.size());
+  const auto snapshots = snapshotsOf(organs_);
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
-    array.contacts.push_back(contactOf(scene_.pairs[i], tracked_[i], now, accuracy));
+    const io::Pair& pair = scene_.pairs[i];
+    array.contacts.push_back(contactOf(pair, *snapshots[pair.organ], tracked_[i], now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.contacts.back().stamp);
   }
   array.computation_time = watch.elapsed();

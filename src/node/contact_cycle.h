@@ -38,8 +38,8 @@ class ContactCycle {
     core::ContactTracker tracker = {};
   };
 
-  Contact contactOf(const io::Pair& pair, Tracked& tracked, const ros::Time& now,
-                    const core::Accuracy& accuracy);
+  Contact contactOf(const io::Pair& pair, const OrganSnapshot& snapshot, Tracked& tracked,
+                    const ros::Time& now, const core::Accuracy& accuracy);
 
   const io::Scene& scene_;
   const Instruments& instruments_;

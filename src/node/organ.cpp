@@ -312,6 +312,13 @@ Organ::Builds Organ::builds() const {
   return {as_built_->hierarchy, as_built_->reason, rebuild_policy_.figures()};
 }
 
+std::vector<std::shared_ptr<const OrganSnapshot>> snapshotsOf(const Organs& organs) {
+  std::vector<std::shared_ptr<const OrganSnapshot>> snapshots;
+  snapshots.reserve(organs.size());
+  for (const auto& organ : organs) snapshots.push_back(organ->snapshot());
+  return snapshots;
+}
+
 Organ& organNamed(const Organs& organs, const std::string& name) {
   if (name.empty() && organs.size() == 1) return *organs.front();
   std::string known;

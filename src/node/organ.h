@@ -145,6 +145,9 @@ class Organ {
 
 using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
 
+/// Of each organ, so that all that is answered at once is of one version.
+std::vector<std::shared_ptr<const OrganSnapshot>> snapshotsOf(const Organs& organs);
+
 /// The only organ needs no name. Throws std::invalid_argument naming those that there are.
 Organ& organNamed(const Organs& organs, const std::string& name);
 

@@ -127,12 +127,39 @@ TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBoxOfAPartialRefit) {
 }
 
 /// Single precision counts on it.
+TEST(CollisionMesh, StaysClosedWhereAVertexOfNoTriangleLeavesAnother) {
+  const TriangleMesh cube = test::cube();
+  Points points = cube.positions();
+  points.insert(points.begin(), points.front());  // where the next one is, and of no triangle
+  std::vector<Corners> triangles;
+  for (const Corners& corners : cube.triangles())
+    triangles.push_back(
+        test::corners(index(corners[0]) + 1, index(corners[1]) + 1, index(corners[2]) + 1));
+  CollisionMesh organ(TriangleMesh(points, triangles));
+  EXPECT_TRUE(organ.health().isSolid());
+  organ.refit({VertexId{0}}, {Eigen::Vector3d(5, 5, 5)});
+  EXPECT_TRUE(organ.health().isSolid());
+  organ.refit({VertexId{1}}, {Eigen::Vector3d(-0.25, 0, 0)});
+  EXPECT_TRUE(organ.health().isSolid());
+  EXPECT_TRUE(CollisionMesh(organ.mesh()).health().isSolid());
+}
+
 TEST(CollisionMesh, HasAFrameThatFitsWhereAPartialRefitMovesAVertexFarAway) {
   CollisionMesh organ(test::blob(3));
   organ.refit({VertexId{5}}, {Eigen::Vector3d(0.0, 0.0, 100.0)});
   EXPECT_EQ(organ.health().box.high.z(), 100.0);
   EXPECT_LE(largestCoordinate(organ.wideTree().frame()(organ.health().box.high)), 2.0);
   EXPECT_LE(largestCoordinate(organ.wideTree().frame()(organ.health().box.low)), 2.0);
+}
+
+TEST(CollisionMesh, HasAFrameThatFitsAgainAfterARebuild) {
+  CollisionMesh organ(test::grid(4, 4));
+  const Eigen::Vector3d place = organ.mesh().positions().back();
+  const auto last = static_cast<VertexId>(organ.mesh().positions().size() - 1);
+  organ.refit({last}, {Eigen::Vector3d(1e6, 0, 0)});
+  organ.refit({last}, {place});
+  organ.rebuild();
+  EXPECT_EQ(organ.wideTree().frame().scale, CollisionMesh(organ.mesh()).wideTree().frame().scale);
 }
 
 TEST(CollisionMesh, AnswersHoweverFarItWasMoved) {

@@ -122,6 +122,31 @@ TEST(Contact, OfARoundShapeWithAnOpenSurfaceIsTouchingIt) {
   EXPECT_EQ(pierced.nearest.tip_point.z(), 0.75);
 }
 
+TEST(Contact, OfAMeshAroundAnOpenSurfaceHasNoSignButCollides) {
+  const CollisionMesh grid(test::grid(1, 1));
+  const auto around = [](double half) {
+    Points points = test::cube(2 * half).positions();
+    for (Eigen::Vector3d& point : points) point += Eigen::Vector3d(1.5 - half, 1.5 - half, -half);
+    return RigidMesh{
+        std::make_shared<const CollisionMesh>(TriangleMesh(points, test::cube().triangles())),
+        Eigen::Isometry3d::Identity(), false};
+  };
+  const Contact within = contact(grid, around(4));
+  EXPECT_FALSE(within.nearest.distance_signed);
+  EXPECT_EQ(within.nearest.distance, 2.5);
+  EXPECT_EQ(within.nearest.lower_bound, 2.5);
+  EXPECT_EQ(within.nearest.upper_bound, 2.5);
+  EXPECT_TRUE(within.colliding);
+  const Contact crossing = contact(grid, around(1));
+  EXPECT_FALSE(crossing.nearest.distance_signed);
+  EXPECT_TRUE(crossing.colliding);
+  const Sphere beside{{2, 2, 0.75}, 0.5};
+  const Contact both =
+      contact(grid, Shapes{around(4), beside}, Eigen::Isometry3d::Identity(), Accuracy::exact());
+  EXPECT_EQ(both.nearest.distance, 0.25);
+  EXPECT_TRUE(both.colliding);
+}
+
 TEST(Contact, OfABallAroundTheWholeOrganIsACollision) {
   const CollisionMesh cube(test::cube());
   const Contact around = contact(cube, Sphere{{0.5, 0.5, 1.5}, 10.0});

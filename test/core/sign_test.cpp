@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "organ_collision/core/nearest_triangle.h"
 #include "test_meshes.h"
@@ -99,6 +100,48 @@ TEST(Sign, ByPseudonormalEqualsTheWindingNumberEverywhere) {
     }
     EXPECT_GT(inside, 1000);
   }
+}
+
+/// Where parts share a vertex or an edge, a pseudonormal tells the side of one of them alone.
+TEST(Sign, HoldsWherePartsOfTheSurfaceTouch) {
+  const TriangleMesh cube = test::placed(test::cube(), 10.0, {0, 0, 0});
+  const TriangleMesh at_vertex(
+      {{0, 0, 0}, {3, 1, 1}, {1, 3, 1}, {1, 1, 3}},
+      {corners(0, 2, 1), corners(0, 1, 3), corners(0, 3, 2), corners(1, 2, 3)});
+  const TriangleMesh at_edge(
+      {{10, 10, 0}, {10, 10, 10}, {12, 11, 5}, {11, 12, 5}},
+      {corners(0, 2, 1), corners(0, 3, 2), corners(0, 1, 3), corners(1, 2, 3)});
+  std::mt19937 generator(63);
+  for (const TriangleMesh& part :
+       {at_vertex, test::turned(at_vertex), at_edge, test::turned(at_edge)}) {
+    const CollisionMesh organ(test::joined(cube, part));
+    EXPECT_EQ(organ.topology().parts().size(), 1U);
+    EXPECT_FALSE(organ.topology().isOnePiece());
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector3d tip = randomPoint(generator, 7.0) + Eigen::Vector3d::Constant(6.0);
+      ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
+    }
+  }
+}
+
+TEST(Topology, IsOnePieceWhateverTheSurfaceTouchesOfItself) {
+  EXPECT_TRUE(CollisionMesh(test::cube()).topology().isOnePiece());
+  EXPECT_TRUE(CollisionMesh(test::blob(4)).topology().isOnePiece());
+  const TriangleMesh apart = test::joined(test::cube(), test::placed(test::cube(), 1.0, {2, 2, 2}));
+  EXPECT_FALSE(CollisionMesh(apart).topology().isOnePiece());
+  Points points = {{0, 0, 0}};
+  std::vector<Corners> triangles;
+  for (std::size_t i = 0; i < 40; ++i) {
+    const double turn = 0.157 * static_cast<double>(i);
+    points.emplace_back(std::cos(turn), std::sin(turn), i % 2 == 0 ? 0.5 : 0.75);
+  }
+  points.emplace_back(0, 0, 2);
+  for (std::size_t i = 1; i <= 40; ++i) {
+    triangles.push_back(corners(0, i % 40 + 1, i));
+    triangles.push_back(corners(41, i, i % 40 + 1));
+  }
+  EXPECT_TRUE(CollisionMesh(TriangleMesh(points, triangles)).topology().isOnePiece())
+      << "forty triangles around a vertex";
 }
 
 TEST(WindingNumber, CountsRaysThroughVerticesAndAlongEdgesAndFacesOnce) {

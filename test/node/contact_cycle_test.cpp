@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
 
 #include "node/cube_organ.h"
 #include "node/frames.h"
@@ -286,6 +288,22 @@ TEST_F(ContactCycleTest, CountsAsAQuestionOfTheAccuracyThatItHad) {
     const std::string figures = organs_[0]->builds().figures;
     EXPECT_EQ(figures.find(", 0 % more answers wrong") == std::string::npos, is_greedy) << figures;
   }
+}
+
+TEST_F(ContactCycleTest, AreOfOneVersionOfAnOrganAtATime) {
+  std::atomic<bool> done{false};
+  std::thread updates([&] {
+    while (!done) organs_[0]->update(test::movesOf({7}, {{1, 1, 1}}), UpdateMode::kRefit, 0);
+  });
+  int mixed = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const ContactArray array = cycle_.contacts(ros::Time(100.0), {});
+    mixed += array.contacts[0].mesh_version != array.contacts[1].mesh_version ? 1 : 0;
+  }
+  done = true;
+  updates.join();
+  EXPECT_EQ(mixed, 0);
+  EXPECT_GT(organs_[0]->snapshot()->version, 10U);
 }
 
 TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {

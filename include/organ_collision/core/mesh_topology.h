@@ -37,6 +37,9 @@ class MeshTopology {
   bool closed() const { return closed_; }
   /// Neighbours run along their edge in opposite senses.
   bool consistentlyWound() const { return consistently_wound_; }
+  /// All of the surface hangs together across edges of two triangles each, rather than by touching
+  /// itself at vertices or edges.
+  bool isOnePiece() const { return one_piece_; }
   /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
   const std::vector<VertexId>& parts() const { return parts_; }
   /// With the same corners as an earlier one.
@@ -57,6 +60,7 @@ class MeshTopology {
   void listTriangles(const TriangleMesh& mesh);
   void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
+  bool hangsTogether(const TriangleMesh& mesh) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
@@ -65,6 +69,7 @@ class MeshTopology {
   std::vector<VertexId> parts_;
   bool closed_ = true;
   bool consistently_wound_ = true;
+  bool one_piece_ = true;
   std::size_t duplicate_triangles_ = 0;
 };
 
