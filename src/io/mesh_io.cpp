@@ -7,14 +7,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "bytes.h"
 #include "mesh_readers.h"
 #include "sandbox.h"
 
@@ -62,38 +63,16 @@ core::TriangleMesh readMesh(const std::filesystem::path& file) {
 
 // ---- a mesh as bytes, for the way from the child to here
 
-template <typename Item>
-void append(std::string& bytes, const std::vector<Item>& items) {
-  const std::uint64_t count = items.size();
-  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-  bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(Item));
-}
-
 std::string encode(const core::TriangleMesh& mesh) {
   std::string bytes;
-  append(bytes, mesh.positions());
-  append(bytes, mesh.triangles());
+  appendItems(bytes, mesh.positions());
+  appendItems(bytes, mesh.triangles());
   return bytes;
 }
 
-void copyOut(std::string_view& bytes, void* target, std::size_t size) {
-  if (size > bytes.size()) throw std::runtime_error("the reading process sent half a mesh");
-  if (size > 0) std::memcpy(target, bytes.data(), size);
-  bytes.remove_prefix(size);
-}
-
-template <typename Item>
-std::vector<Item> take(std::string_view& bytes) {
-  std::uint64_t count = 0;
-  copyOut(bytes, &count, sizeof count);
-  std::vector<Item> items(std::min<std::uint64_t>(count, bytes.size() / sizeof(Item)));
-  copyOut(bytes, items.data(), items.size() * sizeof(Item));
-  return items;
-}
-
 core::TriangleMesh decode(std::string_view bytes) {
-  auto positions = take<Eigen::Vector3d>(bytes);
-  auto triangles = take<core::Corners>(bytes);
+  auto positions = takeItems<core::Points>(bytes);
+  auto triangles = takeItems<std::vector<core::Corners>>(bytes);
   return {std::move(positions), std::move(triangles)};
 }
 

@@ -13,7 +13,9 @@
 namespace organ_collision::io {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr double kTolerance = 1e-15;  // rounding of the sine and cosine of a half angle
 
@@ -28,6 +30,8 @@ std::string robot(const std::string& collisions) {
   return R"(<robot name="patient"><link name="bed"/><link name="abdomen">)" + collisions +
          R"(</link><joint name="j" type="fixed"><parent link="bed"/><child link="abdomen"/></joint></robot>)";
 }
+
+const std::string kLinkOfRobot = "link 'abdomen' of the robot description: ";
 
 std::string refusal(const std::string& description, const std::string& link = "abdomen") {
   return messageOf([&] { linkMesh(description, link); });
@@ -114,6 +118,58 @@ TEST(RobotGeometry, RefusesAScaleThatIsZeroOrNoNumber) {
   }
 }
 
+// Parsers call themselves for what is in another, and for a joint after another.
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// Links l0, l1, ..., each on the one before.
+std::string chainOfJoints(int count) {
+  std::string chain = R"(<link name="l0"/>)";
+  for (int i = 1; i <= count; ++i) {
+    const std::string child = "l" + std::to_string(i);
+    chain += "<link name=\"" + child + "\"/><joint name=\"j" + child +
+             R"(" type="fixed"><parent link="l)" + std::to_string(i - 1) + R"("/><child link=")" +
+             child + R"("/></joint>)";
+  }
+  return chain +
+         R"(<joint name="j" type="fixed"><parent link="l0"/><child link="abdomen"/></joint>)";
+}
+
+std::string robotWith(const std::string& more) {
+  return R"(<robot name="patient"><link name="abdomen">)" + collision(kMesh) + "</link>" + more +
+         "</robot>";
+}
+
+TEST(RobotGeometry, ADescriptionDeepEnoughToCrashTheParserIsRefused) {
+  constexpr int kDeep = 100'000;
+  const std::string nested = repeated("<a>", kDeep) + repeated("</a>", kDeep);
+  EXPECT_THAT(refusal(robotWith(nested)), StartsWith(kLinkOfRobot));
+  EXPECT_THAT(messageOf([&] { linkPieces(repeated("<a>", kDeep), "abdomen"); }),
+              StartsWith(kLinkOfRobot));
+}
+
+TEST(RobotGeometry, AChainOfJointsLongEnoughToCrashTheParserIsRefused) {
+  EXPECT_EQ(refusal(robotWith(chainOfJoints(1'000))), "");
+  EXPECT_THAT(refusal(robotWith(chainOfJoints(300'000))), StartsWith(kLinkOfRobot));
+}
+
+TEST(RobotGeometry, RefusesAnOriginThatNoCoordinateCanBe) {
+  const auto at = [](const std::string& position) {
+    return R"(<collision><origin xyz=")" + position + R"("/><geometry>)" + kMesh +
+           "</geometry></collision>";
+  };
+  EXPECT_EQ(refusal(robot(at("0 9e149 0"))), "");
+  const std::string wanted = kLinkOfRobot +
+                             "the origin of its <collision> is (0, -1e+200, 0), "
+                             "but its coordinates must be below 1e+150";
+  EXPECT_EQ(refusal(robot(at("0 -1e200 0"))), wanted);
+  EXPECT_EQ(messageOf([&] { linkPieces(robot(at("0 -1e200 0")), "abdomen"); }), wanted);
+}
+
 // Of instruments.
 
 std::vector<LinkPiece> piecesOf(const std::string& collisions) {
@@ -188,7 +244,7 @@ TEST(LinkPieces, RefusesSizesThatAreNone) {
     return messageOf([&] { piecesOf(collision(geometry)); });
   };
   EXPECT_THAT(refused(R"(<sphere radius="-1"/>)"),
-              HasSubstr("sphere's radius is -1, but it must be finite and above 0"));
+              HasSubstr("sphere's radius is -1, but it must be above 0 and below 1e+150"));
   EXPECT_THAT(refused(R"(<box size="1 0 1"/>)"), HasSubstr("box's y is 0"));
   EXPECT_THAT(refused(R"(<cylinder radius="1" length="-2"/>)"), HasSubstr("cylinder's length"));
   EXPECT_THAT(refused(R"(<cylinder radius="0" length="2"/>)"), HasSubstr("cylinder's radius"));
@@ -196,6 +252,12 @@ TEST(LinkPieces, RefusesSizesThatAreNone) {
   EXPECT_THAT(
       refused(R"(<sphere radius="1"/></geometry></collision><collision><geometry><sphere/>)"),
       HasSubstr("only 1 of its 2 <collision> can be read"));
+  for (const char* const large :
+       {R"(<sphere radius="1e200"/>)", R"(<box size="1e200 1 1"/>)",
+        R"(<cylinder radius="1e200" length="1"/>)", R"(<cylinder radius="1" length="1e200"/>)"}) {
+    EXPECT_THAT(refused(large), AllOf(StartsWith(kLinkOfRobot + "its "),
+                                      HasSubstr(" is 1e+200, but it must be above 0 and below")));
+  }
   EXPECT_THAT(messageOf([] { linkPieces(robot(""), "arm"); }),
               HasSubstr("there are: abdomen, bed"));
 }

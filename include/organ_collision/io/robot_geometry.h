@@ -23,16 +23,20 @@ using LinkPiece = std::variant<LinkMesh, core::Shape>;
 
 /// Every <collision> of `link` in `robot_description`, a URDF document. A box becomes its own 12
 /// triangles, a cylinder the prism of kCylinderSides whose edges lie on it; both are convex.
-/// Throws std::invalid_argument naming the link if the document cannot be read, or unless the link
-/// is there and has a <collision>, all of them of sizes that are finite and above 0.
+/// The document is read in a child process, so that one that crashes the parser, by elements or
+/// joints one in another by the ten thousands, ends as an error here; it costs a fork, with the
+/// caution at loadMesh(). Throws std::runtime_error naming the link if the document cannot be read,
+/// or unless the link is there and has a <collision>; std::invalid_argument naming the link and the
+/// value unless sizes are above 0, and they and the coordinates of origins below
+/// core::kLargestCoordinate.
 std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link);
 
 /// The faces of such a prism are inside the cylinder by at most 0.5 % of its radius.
 constexpr int kCylinderSides = 32;
 
-/// The collision mesh of `link` in `robot_description`, a URDF document.
-/// Throws std::invalid_argument naming the link if the document cannot be read, or unless the link
-/// is there and has exactly one `<collision>`, a mesh with a finite scale that is not 0.
+/// The collision mesh of `link` in `robot_description`, a URDF document that is read as by
+/// linkPieces(), with its errors; std::invalid_argument also unless the link has exactly one
+/// `<collision>`, a mesh with a finite scale that is not 0.
 LinkMesh linkMesh(const std::string& robot_description, const std::string& link);
 
 }  // namespace organ_collision::io

@@ -1,0 +1,116 @@
+#include "robot_reader.h"
+
+#include <tinyxml.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "bytes.h"
+#include "sandbox.h"
+
+namespace organ_collision::io {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
+
+const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string& name) {
+  if (const urdf::LinkConstSharedPtr link = robot.getLink(name)) return *link;
+  std::string known;
+  for (const auto& [other, link] : robot.links_) {
+    known.append(known.empty() ? "" : ", ").append(other);
+  }
+  refuse("there is none of this name; there are: " + known);
+}
+
+/// How many <collision> the text has: urdfdom leaves out those after one that it cannot read.
+std::size_t collisionCount(const std::string& robot_description, const std::string& link) {
+  TiXmlDocument document;
+  document.Parse(robot_description.c_str());
+  std::size_t count = 0;
+  const TiXmlElement* each = document.RootElement()->FirstChildElement("link");
+  for (; each != nullptr; each = each->NextSiblingElement("link")) {
+    if (each->Attribute("name") != link) continue;
+    const TiXmlElement* collision = each->FirstChildElement("collision");
+    for (; collision != nullptr; collision = collision->NextSiblingElement("collision")) ++count;
+  }
+  return count;
+}
+
+Eigen::Isometry3d isometry(const urdf::Pose& pose) {
+  const auto& [x, y, z, w] = pose.rotation;
+  const Eigen::Vector3d translation(pose.position.x, pose.position.y, pose.position.z);
+  return Eigen::Translation3d(translation) * Eigen::Quaterniond(w, x, y, z);
+}
+
+Eigen::Vector3d eigen(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+LinkCollision collisionOf(const urdf::Collision& collision) {
+  const Eigen::Isometry3d pose = isometry(collision.origin);
+  const urdf::Geometry* const geometry = collision.geometry.get();
+  if (const auto* const mesh = dynamic_cast<const urdf::Mesh*>(geometry))
+    return {{GeometryKind::kMesh, eigen(mesh->scale), pose}, mesh->filename};
+  if (const auto* const sphere = dynamic_cast<const urdf::Sphere*>(geometry))
+    return {{GeometryKind::kSphere, {sphere->radius, 0.0, 0.0}, pose}, ""};
+  if (const auto* const box = dynamic_cast<const urdf::Box*>(geometry))
+    return {{GeometryKind::kBox, eigen(box->dim), pose}, ""};
+  if (const auto* const cylinder = dynamic_cast<const urdf::Cylinder*>(geometry))
+    return {{GeometryKind::kCylinder, {cylinder->radius, cylinder->length, 0.0}, pose}, ""};
+  refuse("its <collision> has no geometry of a known kind");
+}
+
+// ---- collisions as bytes, for the way from the child to here
+
+std::string encodeCollisions(const std::vector<LinkCollision>& collisions) {
+  std::vector<LinkGeometry> geometries;
+  geometries.reserve(collisions.size());
+  for (const LinkCollision& collision : collisions) geometries.push_back(collision.geometry);
+  std::string bytes;
+  appendItems(bytes, geometries);
+  for (const LinkCollision& collision : collisions) appendItems(bytes, collision.url);
+  return bytes;
+}
+
+std::vector<LinkCollision> decodeCollisions(std::string_view bytes) {
+  std::vector<LinkCollision> collisions;
+  for (const LinkGeometry& geometry : takeItems<std::vector<LinkGeometry>>(bytes))
+    collisions.push_back({geometry, ""});
+  for (LinkCollision& collision : collisions) collision.url = takeItems<std::string>(bytes);
+  return collisions;
+}
+
+/// As of a mesh file.
+ChildLimits limitsFor(std::size_t size) {
+  return {4.0 + 1e-6 * static_cast<double>(size), 512'000'000 + 64 * size};
+}
+
+}  // namespace
+
+std::vector<LinkCollision> readCollisions(const std::string& robot_description,
+                                          const std::string& link) {
+  const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
+  if (!robot) refuse("the description cannot be read as URDF");
+  const auto& found = linkNamed(*robot, link).collision_array;
+  if (found.empty()) refuse("it has no <collision> that can be read");
+  const std::size_t wanted = collisionCount(robot_description, link);
+  if (found.size() != wanted) {
+    refuse("only " + std::to_string(found.size()) + " of its " + std::to_string(wanted) +
+           " <collision> can be read");
+  }
+  std::vector<LinkCollision> collisions;
+  collisions.reserve(found.size());
+  for (const urdf::CollisionSharedPtr& each : found) collisions.push_back(collisionOf(*each));
+  return collisions;
+}
+
+std::vector<LinkCollision> readCollisionsInChild(const std::string& robot_description,
+                                                 const std::string& link) {
+  const auto job = [&] { return encodeCollisions(readCollisions(robot_description, link)); };
+  return decodeCollisions(runInChild("link '" + link + "' of the robot description", job,
+                                     limitsFor(robot_description.size())));
+}
+
+}  // namespace organ_collision::io
