@@ -6,9 +6,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <functional>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -35,8 +40,10 @@ struct PositionHash {
 class Gatherer {
  public:
   void add(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& root_from_parent) {
-    const Eigen::Matrix4d root_from_node = root_from_parent * matrix(node.mTransformation);
+    const Eigen::Matrix4d root_from_node = root_from_parent * matrix(node);
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      if (root_from_node.topLeftCorner<3, 3>().determinant() == 0.0)
+        refuse(node, "its scale, or the file's unit, is 0");
       add(*scene.mMeshes[node.mMeshes[i]], root_from_node);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
@@ -49,11 +56,21 @@ class Gatherer {
   }
 
  private:
-  static Eigen::Matrix4d matrix(const aiMatrix4x4& m) {
+  [[noreturn]] static void refuse(const aiNode& node, const std::string& why) {
+    throw std::invalid_argument(std::string("node '") + node.mName.C_Str() + "': " + why);
+  }
+
+  static Eigen::Matrix4d matrix(const aiNode& node) {
+    constexpr double kAffine = 1e-5;  // importers invert some in single precision
+    const aiMatrix4x4& m = node.mTransformation;
     Eigen::Matrix4d result;
     result << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
         m.d3, m.d4;
-    return result;
+    if ((result.row(3) - Eigen::RowVector4d::UnitW()).cwiseAbs().maxCoeff() <= kAffine)
+      return result;
+    std::ostringstream row;
+    row << result.row(3);
+    refuse(node, "the last row of its matrix is " + row.str() + ", but 0 0 0 1 is wanted");
   }
 
   void add(const aiMesh& mesh, const Eigen::Matrix4d& root_from_node) {
@@ -105,9 +122,51 @@ class OneFile : public Assimp::DefaultIOSystem {
   std::string name_;
 };
 
+/// Remembers the first that it is told of what was left out of a surface, or read as it is not.
+class Losses : public Assimp::LogStream {
+ public:
+  explicit Losses(std::string& first) : first_(first) {}
+
+  void write(const char* message) override {
+    std::string_view line(message);
+    line = line.substr(0, line.find_last_not_of('\n') + 1);
+    if (!first_.empty() || !isLoss(line)) return;
+    first_ = line.substr(line.find(": ") + 2);  // after the level and the thread
+    std::replace(first_.begin(), first_.end(), '\n', ' ');
+  }
+
+ private:
+  /// Errors are, though assimp went on; most warnings are of what has no shape, as materials.
+  static bool isLoss(std::string_view line) {
+    constexpr std::array<std::string_view, 4> kWarnings = {
+        "dropped", "Failed to parse meter", "Unable to find geometry",
+        "Unable to resolve reference to instanced node"};
+    return line.substr(0, 5) == "Error" ||
+           std::any_of(kWarnings.begin(), kWarnings.end(),
+                       [&](std::string_view words) { return line.find(words) != line.npos; });
+  }
+
+  std::string& first_;
+};
+
+/// While it lives, assimp's log goes nowhere but here: what it says, `first_loss` keeps.
+class LogOfLosses {
+ public:
+  explicit LogOfLosses(std::string& first_loss) {
+    using Assimp::Logger;
+    Assimp::DefaultLogger::create("", Logger::NORMAL, 0)
+        ->attachStream(new Losses(first_loss), Logger::Warn | Logger::Err);  // NOLINT: it owns it
+  }
+  ~LogOfLosses() { Assimp::DefaultLogger::kill(); }
+  LogOfLosses(const LogOfLosses&) = delete;
+  LogOfLosses& operator=(const LogOfLosses&) = delete;
+};
+
 }  // namespace
 
 core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
+  std::string first_loss;
+  const LogOfLosses log(first_loss);
   Assimp::Importer importer;
   // Else it would guess by what is in it, also OBJ, PLY and OFF, whose numbers it does not keep.
   if (!importer.IsExtensionSupported(file.extension().string()))
@@ -119,6 +178,7 @@ core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(importer.GetErrorString());
   }
+  if (!first_loss.empty()) throw std::runtime_error("assimp says: " + first_loss);
   Gatherer gatherer;
   gatherer.add(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity());
   return std::move(gatherer).mesh();

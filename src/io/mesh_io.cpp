@@ -58,6 +58,8 @@ core::TriangleMesh readMesh(const std::filesystem::path& file) {
   if (extension == ".obj") return readObj(contents(file));
   if (extension == ".off") return readOff(contents(file));
   if (extension == ".ply") return readPly(contents(file));
+  if (extension == ".stl") checkStl(contents(file));
+  if (extension == ".dae") checkDae(contents(file));
   return readWithAssimp(file);
 }
 

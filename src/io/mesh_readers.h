@@ -24,7 +24,17 @@ core::TriangleMesh readOff(std::string_view text);
 core::TriangleMesh readPly(std::string_view bytes);
 
 /// Whatever assimp reads, with node transforms applied. Vertices of exactly one position are one
-/// vertex.
+/// vertex. Refused is what assimp logs as an error or as a loss of surface, although it goes on;
+/// and a mesh below a node whose transform is not affine or presses it flat.
 core::TriangleMesh readWithAssimp(const std::filesystem::path& file);
+
+// Each throws for what assimp passes over without a word.
+
+/// Of stl as text, each word that is not as the format wants it; binary ones pass.
+void checkStl(std::string_view bytes);
+
+/// Of dae, a negative unit, which would mirror, and negative indices and counts of corners, which
+/// assimp takes for 0.
+void checkDae(std::string_view text);
 
 }  // namespace organ_collision::io
