@@ -296,14 +296,13 @@ TEST_F(ContactCycleTest, AreOfOneVersionOfAnOrganAtATime) {
     while (!done) organs_[0]->update(test::movesOf({7}, {{1, 1, 1}}), UpdateMode::kRefit, 0);
   });
   int mixed = 0;
-  for (int i = 0; i < 20000; ++i) {
+  while (organs_[0]->snapshot()->version < 1000) {
     const ContactArray array = cycle_.contacts(ros::Time(100.0), {});
     mixed += array.contacts[0].mesh_version != array.contacts[1].mesh_version ? 1 : 0;
   }
   done = true;
   updates.join();
   EXPECT_EQ(mixed, 0);
-  EXPECT_GT(organs_[0]->snapshot()->version, 10U);
 }
 
 TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
