@@ -65,9 +65,14 @@ inline std::uint32_t sureSides(const Descent& descent, const NodeSplits& node,
   return (of_apart + Lanes<float>::all(of_offset) <= magnitudeOf(sides)).bits();
 }
 
-/// The same from the squared distances themselves, and which of them are sure.
-inline Lanes<float> sidesOf(const Descent& descent, const PacketSplits& packet,
-                            std::uint32_t& sure) {
+/// The differences, and which of them rounding does not turn, by bits.
+struct ProvenSides {
+  Lanes<float> sides;
+  std::uint32_t sure;
+};
+
+/// From the squared distances themselves.
+inline ProvenSides sidesOf(const Descent& descent, const PacketSplits& packet) {
   const auto& [x, y, z] = packet.centroids;
   const LaneVector<float> centroids = {Lanes<float>::copy(x.data()), Lanes<float>::copy(y.data()),
                                        Lanes<float>::copy(z.data())};
@@ -79,8 +84,7 @@ inline Lanes<float> sidesOf(const Descent& descent, const PacketSplits& packet,
   const Lanes<float> rounding =
       Lanes<float>::all(kSquareRounding * descent.reach * descent.reach) * (one + other) +
       Lanes<float>::all(4 * descent.rounding * descent.rounding);
-  sure = (rounding <= sides * sides).bits();
-  return sides;
+  return {sides, (rounding <= sides * sides).bits()};
 }
 
 /// From descent.node to a leaf; false, at some node, where rounding could decide wrongly.
@@ -105,10 +109,9 @@ inline bool descend(Descent& descent) {
     const std::uint32_t first_leaf = descent.triangles[number].first_leaf;
     __builtin_prefetch(descent.leaf_corners + first_leaf);  // what comes next waits for them
     const PacketSplits& packet = descent.packets[number];
-    std::uint32_t sure;
-    const Lanes<float> packet_sides = sidesOf(descent, packet, sure);
-    const Choice leaf = chosenSet(packet.paths, set % kLaneCount, signsOf(packet_sides));
-    if (!leaf.isSure(sure)) {
+    const ProvenSides within = sidesOf(descent, packet);
+    const Choice leaf = chosenSet(packet.paths, set % kLaneCount, signsOf(within.sides));
+    if (!leaf.isSure(within.sure)) {
       descent.node = node_number;
       descent.sure = 0;  // from the node on, all is asked again
       return false;
