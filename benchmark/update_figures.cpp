@@ -204,6 +204,7 @@ void run(const std::vector<std::string>& words) {
   const tools::Arguments arguments(words, {"--output", "--organ"});
   arguments.requireNoWords();
   if (const auto organ = arguments.option("--organ")) {
+    if (arguments.option("--output")) throw tools::UsageError("--output draws all, not one organ");
     const core::TriangleMesh mesh = bench::organNamed(*organ);
     std::printf("%s of %zu triangles\n", organ->c_str(), mesh.triangleCount());
     print(updatesOf(mesh));

@@ -59,45 +59,54 @@ class Pair {
   fcl::detail::MinkowskiDiff<double> difference_;
 };
 
-bool isProven(const HullDistance& found) { return found.most - found.gap <= kProven; }
+bool isProven(const HullDistance& found) { return std::abs(found.most - found.gap) <= kProven; }
 
-/// The gap along the normal, which the points' offset tells.
-HullDistance measured(HullDistance found, const Vector3d& apart, const Points& first,
-                      const Points& second) {
-  found.normal = apart.stableNormalized();
-  found.gap = std::min(gapAlong(found.normal, first, second), found.most);
-  return found;
+/// What GJK finds of two hulls.
+struct Found {
+  std::optional<HullDistance> apart;
+  bool have_common = false;  ///< a point, but for kPrecision
+};
+
+/// Whether the simplex stands for a point within it: of needles FCL's may not.
+bool isWithin(const Gjk::Simplex& simplex) {
+  return std::all_of(simplex.p, simplex.p + simplex.rank,
+                     [](double weight) { return weight >= -kProven; });
 }
 
-/// By GJK; nothing unless the hulls are apart. FCL's ends too early in one of some hundred pairs,
-/// where its simplex has become flat: it starts anew from there until the gap proves the distance.
-/// FCL's other GJK, that on libccd, takes a corner that is as far as the last for the end of the
-/// search, so aligned boxes stop it each time.
-std::optional<HullDistance> byGjk(const Points& first, const Points& second) {
+/// FCL's ends too early in one of some hundred pairs, where its simplex has become flat: it starts
+/// anew from there until the gap proves the distance. FCL's other GJK, that on libccd, takes a
+/// corner that is as far as the last for the end of the search, so aligned boxes stop it each time.
+Found byGjk(const Points& first, const Points& second) {
   constexpr int kAttempts = 32;
   const Pair pair(first, second);
   std::optional<HullDistance> best;
   Vector3d guess = Vector3d::UnitX();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Gjk gjk(kIterations, kPrecision);
-    if (gjk.evaluate(pair.difference(), guess) != Gjk::Valid) return best;
+    const Gjk::Status status = gjk.evaluate(pair.difference(), guess);
+    if (status == Gjk::Inside) return {best, true};
+    if (status != Gjk::Valid || !isWithin(*gjk.getSimplex())) return {best, false};
     HullDistance found = pair.at(*gjk.getSimplex());
     const Vector3d apart = found.on_second - found.on_first;
-    if (!apart.allFinite()) return best;
-    if (apart.isZero(0.0)) return std::nullopt;
+    if (apart.isZero(0.0)) return {std::nullopt, true};
     found.most = apart.norm();
-    if (!best || found.most < best->most) best = measured(found, apart, first, second);
-    if (isProven(*best)) return best;
+    if (!best || found.most < best->most) {
+      found.normal = apart.stableNormalized();
+      found.gap = gapAlong(found.normal, first, second);
+      best = found;
+    }
+    if (isProven(*best)) break;
     // From there, or from more and more nearly there.
     guess = -best->normal;
     if (attempt % 2 != 0) guess = Vector3d::Unit(attempt % 3) - 0.125 * attempt * best->normal;
   }
-  return best;
+  return {best, false};
 }
 
-/// By EPA. REQUIRES: the corners are not in one plane.
-HullDistance byEpa(const Polytope::FourCorners& corners, const Points& first,
-                   const Points& second) {
+/// By EPA; nothing where the face that decides is too narrow to have a normal. REQUIRES: the
+/// corners are not in one plane.
+std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Points& first,
+                                  const Points& second) {
   constexpr int kSteps = 256;
   Polytope polytope(corners);
   for (int i = 0; i < kSteps; ++i) {
@@ -107,11 +116,11 @@ HullDistance byEpa(const Polytope::FourCorners& corners, const Points& first,
     if (!polytope.add(corner)) break;
   }
   HullDistance found = polytope.nearestPoints();
-  const Polytope::Face& nearest = polytope.nearestPlane();
   const double offset = (found.on_second - found.on_first).norm();
-  found.most = nearest.offset > 0.0 ? -offset : offset;
-  found.normal = nearest.normal;
-  found.gap = std::min(gapAlong(found.normal, first, second), found.most);
+  found.most = polytope.holdsOrigin() ? -offset : offset;
+  found.normal = polytope.nearestPlane().normal;
+  if (found.normal.isZero(0.0)) return std::nullopt;
+  found.gap = gapAlong(found.normal, first, second);
   return found;
 }
 
@@ -131,7 +140,7 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
                        farthest(second, -normal)};
   for (int i = 0; i < kSteps; ++i) {
     const Vector3d shift = (kRoom - best.gap) * best.normal;
-    const std::optional<HullDistance> apart = byGjk(first, moved(second, shift));
+    const std::optional<HullDistance> apart = byGjk(first, moved(second, shift)).apart;
     if (!apart) break;
     const double gap = gapAlong(apart->normal, first, second);
     const double gained = gap - best.gap;
@@ -168,7 +177,7 @@ double gapAlong(const Vector3d& unit, const Points& first, const Points& second)
 }
 
 HullDistance hullDistance(const Points& first, const Points& second) {
-  const std::optional<HullDistance> apart = byGjk(first, second);
+  const auto [apart, have_common] = byGjk(first, second);
   if (apart && isProven(*apart)) return *apart;
   const Polytope::FourCorners corners = farCorners(first, second);
   std::optional<HullDistance> deep;
@@ -178,7 +187,7 @@ HullDistance hullDistance(const Points& first, const Points& second) {
   const Vector3d normal = normalOf(corners);
   HullDistance best = higher(uphill(first, second, normal), uphill(first, second, -normal));
   best.most = (best.on_second - best.on_first).norm();
-  if (!apart) best.most = std::min(best.most, 0.0);  // hulls that are not apart share a point
+  if (have_common) best.most = std::min(best.most, 0.0);
   for (const auto& known : {deep, apart}) {
     if (!known) continue;
     const double most = std::min(best.most, known->most);

@@ -82,15 +82,20 @@ void Polytope::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   faces_.push_back({{a, b, c}, normal, normal.dot(place)});
 }
 
-bool Polytope::sees(const Corner& corner, const Face& face) const {
+/// From outside.
+bool Polytope::sees(const Vector3d& place, const Face& face) const {
   const auto& [a, b, c] = face.corners;
-  return core::orientation(corners_[a].place, corners_[b].place, corners_[c].place, corner.place) >
-         0;
+  return core::orientation(corners_[a].place, corners_[b].place, corners_[c].place, place) > 0;
+}
+
+bool Polytope::holdsOrigin() const {
+  return std::none_of(faces_.begin(), faces_.end(),
+                      [this](const Face& face) { return sees(Vector3d::Zero(), face); });
 }
 
 bool Polytope::add(const Corner& corner) {
-  const auto seen = std::stable_partition(faces_.begin(), faces_.end(),
-                                          [&](const Face& face) { return !sees(corner, face); });
+  const auto seen = std::stable_partition(
+      faces_.begin(), faces_.end(), [&](const Face& face) { return !sees(corner.place, face); });
   if (seen == faces_.end()) return false;
   std::vector<Edge> edges;
   for (auto face = seen; face != faces_.end(); ++face) {

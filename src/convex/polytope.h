@@ -34,11 +34,14 @@ class Polytope {
   /// farthest beyond it.
   const Face& nearestPlane() const;
 
+  /// Inside or on it, decided exactly.
+  bool holdsOrigin() const;
+
   /// The points of both hulls that the polytope's boundary has nearest to each other.
   HullDistance nearestPoints() const;
 
  private:
-  bool sees(const Corner& corner, const Face& face) const;
+  bool sees(const Eigen::Vector3d& place, const Face& face) const;
   void addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
   std::vector<Corner> corners_;
@@ -49,7 +52,7 @@ class Polytope {
 Polytope::Corner farthestCorner(const Eigen::Vector3d& direction, const core::Points& first,
                                 const core::Points& second);
 
-/// Some that are far from each other: in one plane only where all are.
+/// Some that are far from each other: in one plane only where about all are.
 Polytope::FourCorners farCorners(const core::Points& first, const core::Points& second);
 
 bool areInOnePlane(const Polytope::FourCorners& corners);

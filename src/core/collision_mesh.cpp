@@ -12,7 +12,7 @@ namespace organ_collision::core {
 namespace {
 
 /// Beyond this the unit frame does not fit any more.
-constexpr double kLargestUnit = 2.0;
+constexpr double kLargestUnit = 1.0;
 
 bool fits(const Box& box, const UnitFrame& frame) {
   return largestCoordinate(frame(box.low)) <= kLargestUnit &&

@@ -25,6 +25,9 @@ PlainBox joined(PlainBox box, const PlainBox& other) {
 
 const Kernels& kernels() {
   static constexpr std::array kAll = {&kBaselineKernels, &kAvx2Kernels, &kAvx512Kernels};
+  static_assert(static_cast<std::size_t>(VectorUnit::kBaseline) == 0 &&
+                static_cast<std::size_t>(VectorUnit::kAvx2) == 1 &&
+                static_cast<std::size_t>(VectorUnit::kAvx512) == 2);
   return *kAll[static_cast<std::size_t>(vectorUnit())];
 }
 

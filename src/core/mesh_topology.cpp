@@ -267,7 +267,8 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
-  one_piece_ = parts_.size() == 1 && (findings.one_fan_each || hangsTogether(mesh));
+  one_piece_ = closed_ && consistently_wound_ && parts_.size() == 1 &&
+               (findings.one_fan_each || hangsTogether(mesh));
 }
 
 /// Across edges of two triangles.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -30,8 +29,10 @@ template <typename Items>
 Items takeItems(std::string_view& bytes) {
   std::uint64_t count = 0;
   copyOut(bytes, &count, sizeof count);
+  if (count > bytes.size() / sizeof(typename Items::value_type))
+    throw std::runtime_error("the reading process sent half an answer");
   Items items;
-  items.resize(std::min<std::uint64_t>(count, bytes.size() / sizeof(typename Items::value_type)));
+  items.resize(count);
   copyOut(bytes, items.data(), items.size() * sizeof(typename Items::value_type));
   return items;
 }

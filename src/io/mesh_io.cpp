@@ -78,11 +78,6 @@ core::TriangleMesh decode(std::string_view bytes) {
   return {std::move(positions), std::move(triangles)};
 }
 
-ChildLimits limitsFor(std::uintmax_t size, const LoadLimits& limits) {
-  return {limits.seconds + limits.seconds_per_megabyte * static_cast<double>(size) * 1e-6,
-          limits.memory + limits.memory_per_byte * size};
-}
-
 }  // namespace
 
 core::TriangleMesh loadMesh(const std::filesystem::path& file, double scale,

@@ -82,11 +82,6 @@ std::vector<LinkCollision> decodeCollisions(std::string_view bytes) {
   return collisions;
 }
 
-/// As of a mesh file.
-ChildLimits limitsFor(std::size_t size) {
-  return {4.0 + 1e-6 * static_cast<double>(size), 512'000'000 + 64 * size};
-}
-
 }  // namespace
 
 std::vector<LinkCollision> readCollisions(const std::string& robot_description,
@@ -110,7 +105,7 @@ std::vector<LinkCollision> readCollisionsInChild(const std::string& robot_descri
                                                  const std::string& link) {
   const auto job = [&] { return encodeCollisions(readCollisions(robot_description, link)); };
   return decodeCollisions(runInChild("link '" + link + "' of the robot description", job,
-                                     limitsFor(robot_description.size())));
+                                     limitsFor(robot_description.size(), LoadLimits{})));
 }
 
 }  // namespace organ_collision::io

@@ -188,6 +188,11 @@ std::string ending(int status) {
 
 }  // namespace
 
+ChildLimits limitsFor(std::uintmax_t size, const LoadLimits& limits) {
+  return {limits.seconds + limits.seconds_per_megabyte * static_cast<double>(size) * 1e-6,
+          limits.memory + limits.memory_per_byte * size};
+}
+
 std::string runInChild(const std::string& what, const std::function<std::string()>& job,
                        const ChildLimits& limits) {
   Child child(job, limits);

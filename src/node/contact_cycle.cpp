@@ -55,7 +55,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snaps
     organ.account(found.nearest, accuracy);
   }
   const bool is_late = pose.isLate(now, scene_.stale_after);
-  const bool is_far = found.nearest.lower_bound > scene_.max_distance;
+  const bool is_far = !found.colliding && found.nearest.lower_bound > scene_.max_distance;
   contact.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
   contact.nearest = is_far ? noNearestTriangle(found.nearest.lower_bound)
                            : toMessage(found.nearest, pose.sceneFromSecond());

@@ -58,7 +58,8 @@ bool ProximityCycle::lookUp() {
   return news;
 }
 
-Proximity ProximityCycle::measure(Tracked& tracked, const core::Accuracy& accuracy) const {
+Proximity ProximityCycle::measure(Tracked& tracked, const Snapshots& snapshots,
+                                  const core::Accuracy& accuracy) const {
   const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
   const auto& [of, first, second] = tracked.pair;
   if (of == io::LikePair::Of::kInstruments) {
@@ -68,9 +69,8 @@ Proximity ProximityCycle::measure(Tracked& tracked, const core::Accuracy& accura
                      core::boxOf(others, Eigen::Isometry3d::Identity()),
                      [&] { return convex::toolProximity(shapes, pose, others, accuracy); });
   }
-  // Each taken once: the versions that are measured are those whose boxes are compared.
-  const auto snapshot = organs_[first]->snapshot();
-  const auto other_snapshot = organs_[second]->snapshot();
+  const auto& snapshot = snapshots[first];
+  const auto& other_snapshot = snapshots[second];
   const core::Shape organ = core::transformed(shapeOf(snapshot), pose);
   const core::Shape other = shapeOf(other_snapshot);
   return unlessFar(tracked, core::boxOf(organ), core::boxOf(other), [&] {
@@ -89,13 +89,13 @@ Proximity ProximityCycle::unlessFar(const Tracked& tracked, const core::Box& fir
   return toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
 }
 
-Proximity ProximityCycle::proximityOf(Tracked& tracked, const ros::Time& now,
-                                      const core::Accuracy& accuracy) const {
+Proximity ProximityCycle::proximityOf(Tracked& tracked, const Snapshots& snapshots,
+                                      const ros::Time& now, const core::Accuracy& accuracy) const {
   Proximity message = unknown(0.0);
   message.status = Contact::NO_POSE;
   if (tracked.pose.isKnown()) {
     const bool is_late = tracked.pose.isLate(now, scene_.stale_after);
-    message = measure(tracked, accuracy);
+    message = measure(tracked, snapshots, accuracy);
     const bool is_far = message.lower_bound > scene_.max_distance;
     message.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
     message.colliding_certain = message.colliding_certain || is_far;
@@ -111,8 +111,9 @@ ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Acc
   const Stopwatch watch;
   ProximityArray array;
   array.header.frame_id = scene_.frame;
+  const Snapshots snapshots = snapshotsOf(organs_);
   for (Tracked& tracked : tracked_) {
-    array.proximities.push_back(proximityOf(tracked, now, accuracy));
+    array.proximities.push_back(proximityOf(tracked, snapshots, now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);
   }
   array.computation_time = watch.elapsed();

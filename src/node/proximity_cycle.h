@@ -42,9 +42,11 @@ class ProximityCycle {
   };
 
   const std::string& nameOf(io::LikePair::Of of, std::size_t i) const;
-  Proximity proximityOf(Tracked& tracked, const ros::Time& now,
+  using Snapshots = std::vector<std::shared_ptr<const OrganSnapshot>>;  // of all organs
+  Proximity proximityOf(Tracked& tracked, const Snapshots& snapshots, const ros::Time& now,
                         const core::Accuracy& accuracy) const;
-  Proximity measure(Tracked& tracked, const core::Accuracy& accuracy) const;
+  Proximity measure(Tracked& tracked, const Snapshots& snapshots,
+                    const core::Accuracy& accuracy) const;
   /// What `measure` finds, unless the boxes or that are farther apart than the scene looks.
   template <class Measure>
   Proximity unlessFar(const Tracked& tracked, const core::Box& first, const core::Box& second,

@@ -18,6 +18,7 @@ namespace {
 
 using core::Capsule;
 using core::CollisionMesh;
+using core::Points;
 using core::Proximity;
 using core::RigidMesh;
 using core::Shape;
@@ -228,6 +229,32 @@ TEST(HullProximity, OfCrossingShaftsFollowsThemThroughTheTouch) {
   }
 }
 
+/// Some points of a plane, the first in the middle.
+RigidMesh polygon(std::mt19937& generator, const Isometry3d& pose, std::size_t count) {
+  Points points = {Vector3d::Zero()};
+  std::vector<core::Corners> triangles;
+  for (std::size_t i = 1; i <= count; ++i) {
+    points.push_back(0.5 * test::randomPoint(generator, 1.0).cwiseProduct(Vector3d(1, 1, 0)));
+    triangles.push_back(test::corners(0, i, i % count + 1));
+  }
+  return {std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)), pose, true};
+}
+
+TEST(HullProximity, OfPolygonsInOnePlaneIsThatTheyTouch) {
+  std::mt19937 generator(99);
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d pose = test::randomPose(generator, 0.5);
+    const Isometry3d aside = pose * Eigen::Translation3d(0.25, 0, 0);
+    const RigidMesh first = polygon(generator, pose, 3 + generator() % 18);
+    const Proximity found = hullProximity(first, polygon(generator, aside, 3 + generator() % 18));
+    ASSERT_GE(found.upper_bound, -kTight);
+    ASSERT_LE(found.lower_bound, found.upper_bound);
+    const Proximity same = hullProximity(first, polygon(generator, pose, 3 + generator() % 18));
+    ASSERT_NEAR(same.lower_bound, 0.0, kTight);  // the middles meet
+    ASSERT_NEAR(same.upper_bound, 0.0, kTight);
+  }
+}
+
 TEST(HullProximity, OfFlatHullsInOnePlaneIsThatTheyTouch) {
   std::mt19937 generator(98);
   const auto flat = [](const Isometry3d& pose, const Vector3d& corner) {
@@ -345,7 +372,7 @@ TEST(ToolProximity, LeavesAMeshThatIsNotCalledConvexAsItIs) {
 
 /// A jaw with two prongs, and what comes into its opening.
 TEST(ToolProximity, FillsTheHollowOfAMeshThatIsCalledConvexWhereItTouchesToo) {
-  core::Points points;
+  Points points;
   std::vector<core::Corners> triangles;
   for (const auto& [size, middle] : {std::pair(Vector3d(3, 1, 1), Vector3d(0, 0, 0)),
                                      std::pair(Vector3d(1, 1, 3), Vector3d(1, 0, 1)),
@@ -391,7 +418,7 @@ TEST(ToolProximity, OfRoundShapesIsThatOfTheirCores) {
 
 TEST(ToolProximity, OfAHullLeavesOutVerticesWithoutATriangle) {
   const core::TriangleMesh cube = test::cube();
-  core::Points points = cube.positions();
+  Points points = cube.positions();
   points.emplace_back(0, 0, 50);
   const RigidMesh mesh{
       std::make_shared<const CollisionMesh>(core::TriangleMesh(points, cube.triangles())),

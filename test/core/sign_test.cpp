@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "organ_collision/core/nearest_triangle.h"
 #include "test_meshes.h"
@@ -124,12 +126,13 @@ TEST(Sign, HoldsWherePartsOfTheSurfaceTouch) {
   }
 }
 
-TEST(Topology, IsOnePieceWhateverTheSurfaceTouchesOfItself) {
+TEST(Topology, TellsPiecesFromWhatOnlyTouches) {
   EXPECT_TRUE(CollisionMesh(test::cube()).topology().isOnePiece());
   EXPECT_TRUE(CollisionMesh(test::blob(4)).topology().isOnePiece());
+  EXPECT_FALSE(CollisionMesh(test::grid(2, 2)).topology().isOnePiece()) << "open";
   const TriangleMesh apart = test::joined(test::cube(), test::placed(test::cube(), 1.0, {2, 2, 2}));
   EXPECT_FALSE(CollisionMesh(apart).topology().isOnePiece());
-  Points points = {{0, 0, 0}};
+  Points points = {{0, 0, 0}};  // a body with forty triangles around a vertex
   std::vector<Corners> triangles;
   for (std::size_t i = 0; i < 40; ++i) {
     const double turn = 0.157 * static_cast<double>(i);
@@ -140,8 +143,43 @@ TEST(Topology, IsOnePieceWhateverTheSurfaceTouchesOfItself) {
     triangles.push_back(corners(0, i % 40 + 1, i));
     triangles.push_back(corners(41, i, i % 40 + 1));
   }
-  EXPECT_TRUE(CollisionMesh(TriangleMesh(points, triangles)).topology().isOnePiece())
-      << "forty triangles around a vertex";
+  EXPECT_TRUE(CollisionMesh(TriangleMesh(points, triangles)).topology().isOnePiece());
+}
+
+/// The vertices that are so many edges away from the first.
+std::vector<std::size_t> verticesAway(const TriangleMesh& mesh, std::size_t edges) {
+  std::vector<std::size_t> away(mesh.positions().size(), mesh.positions().size());
+  away[0] = 0;
+  for (std::size_t step = 1; step <= edges; ++step) {
+    for (const Corners& corners : mesh.triangles())
+      for (const VertexId corner : corners)
+        if (away[index(corner)] == step - 1)
+          for (const VertexId other : corners)
+            away[index(other)] = std::min(away[index(other)], step);
+  }
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < away.size(); ++i)
+    if (away[i] == edges) found.push_back(i);
+  return found;
+}
+
+/// Two spikes of one body that meet along an edge, or in their tips.
+TEST(Sign, HoldsWhereTheSurfaceTouchesItself) {
+  const TriangleMesh round = test::blob(4);
+  std::mt19937 generator(65);
+  for (const std::size_t edges : {2, 4}) {
+    for (const std::size_t second : verticesAway(round, edges)) {
+      Points points = round.positions();
+      points[0] = points[second] = 0.6 * (points[0] + points[second]);
+      const CollisionMesh organ(TriangleMesh(points, round.triangles()));
+      ASSERT_TRUE(organ.health().isSolid());
+      ASSERT_TRUE(organ.topology().isOnePiece() || edges == 2);
+      for (int i = 0; i < 300; ++i) {
+        const Eigen::Vector3d tip = points[0] + randomPoint(generator, 0.1);
+        ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0) << tip.transpose();
+      }
+    }
+  }
 }
 
 TEST(WindingNumber, CountsRaysThroughVerticesAndAlongEdgesAndFacesOnce) {

@@ -316,6 +316,20 @@ TEST_F(ContactCycleTest, HasNewsOnlyWhenATipOrAnOrganHasMoved) {
   EXPECT_TRUE(cycle_.lookUpTips());
 }
 
+TEST_F(ContactCycleTest, WithAnOpenOrganDeepWithinAMeshIsACollisionHoweverFarItsSurfaceIs) {
+  organs_[0] = std::make_unique<Organ>("liver", "liver", test::grid(1, 1));
+  instruments_[0].shapes = {core::RigidMesh{
+      std::make_shared<const core::CollisionMesh>(test::placed(test::cube(), 20, {-10, -10, -10})),
+      Eigen::Isometry3d::Identity(), false}};
+  scene_.max_distance = 1.0;
+  place("liver", "left_tip", {0, 0, 0}, ros::Time(100.0));
+  const Contact contact = contacts(ros::Time(100.0)).contacts[0];
+  EXPECT_EQ(contact.status, Contact::OK);
+  EXPECT_TRUE(contact.colliding);
+  EXPECT_TRUE(contact.colliding_certain);
+  EXPECT_EQ(contact.nearest.distance, 7.0);
+}
+
 TEST_F(ContactCycleTest, MeasuresATriangleTipWhole) {
   instruments_[0].shapes = {core::Triangle{{0, 0, 0}, {0, 0, -1}, {0.1, 0, 0}}};
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));

@@ -19,8 +19,8 @@ namespace organ_collision::core {
 /// towards the surface, beside that end).
 struct Contact {
   NearestTriangle nearest;
-  bool colliding;  ///< instrument and organ (its solid, or its surface where it is open) have a
-                   ///< point in common
+  bool colliding;  ///< (also at a distance: a mesh around an open organ) instrument and organ (its
+                   ///< solid, or its surface where it is open) have a point in common
   bool colliding_certain;  ///< false where the accuracy asked for does not decide it
 };
 

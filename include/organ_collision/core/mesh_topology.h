@@ -37,8 +37,8 @@ class MeshTopology {
   bool closed() const { return closed_; }
   /// Neighbours run along their edge in opposite senses.
   bool consistentlyWound() const { return consistently_wound_; }
-  /// All of the surface hangs together across edges of two triangles each, rather than by touching
-  /// itself at vertices or edges.
+  /// It is closed and consistently wound, and all of it hangs together across edges of two
+  /// triangles each, rather than by touching itself at vertices or edges.
   bool isOnePiece() const { return one_piece_; }
   /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
   const std::vector<VertexId>& parts() const { return parts_; }
@@ -69,7 +69,7 @@ class MeshTopology {
   std::vector<VertexId> parts_;
   bool closed_ = true;
   bool consistently_wound_ = true;
-  bool one_piece_ = true;
+  bool one_piece_ = false;
   std::size_t duplicate_triangles_ = 0;
 };
 

@@ -33,11 +33,11 @@ struct LoadLimits {
 /// element if it cannot be read: anything but a regular file, bad syntax, an index out of range, a
 /// coordinate that is not finite or exceeds a 32-bit float. Of what goes through assimp, that is
 /// promised for stl; dae, gltf and others are refused where assimp fails or logs an error or a
-/// loss of triangles, where a dae's unit or index is below 0 or its unit no number, where a unit or
-/// scale is 0, and where a node's matrix is not affine. What else is wrong in them may pass, as
-/// assimp reads it. Cost: that of parsing, one fork and one copy through a pipe. Other threads'
-/// locks stay locked in a forked child, so a call while other threads run may, rarely, end at its
-/// time limit: load before starting them, or try again.
+/// loss of triangles, where a dae plainly says a unit or index below 0, or a unit that is no
+/// number, where a unit or scale is 0, and where a node's matrix is not affine. What else is wrong
+/// in them may pass, as assimp reads it. Cost: that of parsing, one fork and one copy through a
+/// pipe. Other threads' locks stay locked in a forked child, so a call while other threads run may,
+/// rarely, end at its time limit: load before starting them, or try again.
 core::TriangleMesh loadMesh(const std::filesystem::path& file, double scale = 1.0,
                             const LoadLimits& limits = {});
 
