@@ -3,8 +3,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -267,39 +269,80 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
-  one_piece_ = closed_ && consistently_wound_ && parts_.size() == 1 &&
-               (findings.one_fan_each || hangsTogether(mesh));
+  const bool may_be = closed_ && consistently_wound_ && parts_.size() == 1;
+  one_piece_ = may_be && findings.one_fan_each;
+  if (may_be && !one_piece_) findOutermost(mesh);
 }
 
-/// Across edges of two triangles.
-bool MeshTopology::hangsTogether(const TriangleMesh& mesh) const {
-  std::vector<std::size_t> leads_to(mesh.triangleCount());
-  std::iota(leads_to.begin(), leads_to.end(), std::size_t{0});
-  std::size_t pieces = leads_to.size();
-  const auto join = [&](std::size_t one, std::size_t other) {
-    one = lowest(leads_to, one);
-    other = lowest(leads_to, other);
-    if (one != other) --pieces;
-    leads_to[std::max(one, other)] = std::min(one, other);
-  };
-  std::vector<std::pair<Weld, std::size_t>> edges;  // by their other end
+/// Of each triangle, one of those that it hangs together with across edges of two triangles.
+std::vector<std::uint32_t> MeshTopology::pieces(const TriangleMesh& mesh) const {
+  std::vector<std::uint32_t> leads_to(mesh.triangleCount());
+  std::iota(leads_to.begin(), leads_to.end(), 0U);
+  std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
   for (Weld here = 0; here < representatives_.size(); ++here) {
     edges.clear();
     for (const TriangleId triangle : trianglesAt(here))
       for (const VertexId corner : mesh.corners(triangle))
-        if (weld(corner) > here) edges.emplace_back(weld(corner), index(triangle));
+        if (weld(corner) > here)
+          edges.emplace_back(weld(corner), static_cast<std::uint32_t>(index(triangle)));
     std::sort(edges.begin(), edges.end());
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
-      if (end - begin == 2) join(edges[begin].second, edges[begin + 1].second);
+      if (end - begin != 2) continue;
+      const std::uint32_t one = lowest(leads_to, edges[begin].second);
+      const std::uint32_t other = lowest(leads_to, edges[begin + 1].second);
+      leads_to[std::max(one, other)] = std::min(one, other);
     }
   }
-  return pieces == 1;
+  for (std::uint32_t& piece : leads_to) piece = lowest(leads_to, piece);
+  return leads_to;
+}
+
+/// The piece that reaches farthest along x: beyond it there is nothing, and so on all of its outer
+/// side.
+void MeshTopology::findOutermost(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> piece_of = pieces(mesh);
+  one_piece_ =
+      std::all_of(piece_of.begin(), piece_of.end(), [](std::uint32_t piece) { return piece == 0; });
+  if (one_piece_) return;
+  const auto at = [&](Weld weld) -> const Eigen::Vector3d& {
+    return mesh.position(representatives_[weld]);
+  };
+  Weld farthest = weld(mesh.triangles().front()[0]);
+  for (Weld weld = 0; weld < representatives_.size(); ++weld)
+    if (offsets_[weld] != offsets_[weld + 1] && at(weld).x() > at(farthest).x()) farthest = weld;
+  const std::uint32_t piece = piece_of[index(*trianglesAt(farthest).begin())];
+  const auto isOfPiece = [&](VertexId corner) {
+    const TriangleRange around = trianglesAt(weld(corner));
+    return std::all_of(around.begin(), around.end(),
+                       [&](TriangleId triangle) { return piece_of[index(triangle)] == piece; });
+  };
+  if (!isOfPiece(representatives_[farthest])) return;
+  // The angle-weighted normal there points away from the piece or, if that is inverted, into it.
+  constexpr double kClear = 1e-6;
+  double along = 0.0;
+  for (const TriangleId id : trianglesAt(farthest)) {
+    const Corners& corners = mesh.corners(id);
+    const std::size_t here =
+        (weld(corners[1]) == farthest ? 1U : 0U) + (weld(corners[2]) == farthest ? 2U : 0U);
+    const Eigen::Vector3d to_next = mesh.position(corners[(here + 1) % 3]) - at(farthest);
+    const Eigen::Vector3d to_last = mesh.position(corners[(here + 2) % 3]) - at(farthest);
+    const Eigen::Vector3d across = to_next.cross(to_last);
+    const double angle = std::atan2(across.stableNorm(), to_next.dot(to_last));
+    along += angle * across.stableNormalized().x();
+  }
+  if (!(std::abs(along) > kClear)) return;
+  outermost_inverted_ = along < 0.0;
+  outermost_.resize(mesh.triangleCount());
+  for (std::size_t i = 0; i < outermost_.size(); ++i) {
+    const Corners& corners = mesh.triangles()[i];
+    outermost_[i] = std::all_of(corners.begin(), corners.end(), isOfPiece);
+  }
 }
 
 std::size_t MeshTopology::memory() const {
-  return parts_.capacity() * sizeof(VertexId) + welds_.capacity() * sizeof(Weld) +
-         representatives_.capacity() * sizeof(VertexId) +
+  return outermost_.capacity() / 8 + parts_.capacity() * sizeof(VertexId) +
+         welds_.capacity() * sizeof(Weld) + representatives_.capacity() * sizeof(VertexId) +
          offsets_.capacity() * sizeof(std::uint32_t) +
          triangles_at_.capacity() * sizeof(TriangleId);
 }

@@ -165,7 +165,9 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
   SurfaceNormal normal = normalAt(organ, triangle, feature);
-  if (organ.health().inverted) normal.direction = -normal.direction;
+  const bool inverted = organ.health().inverted;
+  if (inverted) normal.direction = -normal.direction;
+  normal.is_clear = normal.is_clear && organ.topology().tellsSide(triangle, inverted);
   return normal;
 }
 
@@ -202,8 +204,7 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
       isSafe(closest.squared_distance) ? closest.offset : madeSafe(closest.offset);
   const double height = -offset.dot(normal.direction);
   const bool clear = normal.is_clear && height * height > kClear * kClear * squaredLength(offset) &&
-                     distance > 0x1p-30 * extent && !organ.isPerhapsFlat() &&
-                     organ.topology().isOnePiece();
+                     distance > 0x1p-30 * extent && !organ.isPerhapsFlat();
   const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
 }

@@ -116,12 +116,19 @@ TEST(Sign, HoldsWherePartsOfTheSurfaceTouch) {
   std::mt19937 generator(63);
   for (const TriangleMesh& part :
        {at_vertex, test::turned(at_vertex), at_edge, test::turned(at_edge)}) {
-    const CollisionMesh organ(test::joined(cube, part));
-    EXPECT_EQ(organ.topology().parts().size(), 1U);
-    EXPECT_FALSE(organ.topology().isOnePiece());
-    for (int i = 0; i < 1000; ++i) {
-      const Eigen::Vector3d tip = randomPoint(generator, 7.0) + Eigen::Vector3d::Constant(6.0);
-      ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
+    const TriangleMesh whole = test::joined(cube, part);
+    for (const TriangleMesh& mesh : {whole, test::turned(whole)}) {
+      const CollisionMesh organ(mesh);
+      EXPECT_EQ(organ.topology().parts().size(), 1U);
+      EXPECT_FALSE(organ.topology().isOnePiece());
+      EXPECT_EQ(organ.topology().tellsSide(TriangleId{10}, organ.health().inverted),
+                part.position(VertexId{0}).isZero())
+          << "the cube's at x = 10, if that is outermost";
+      EXPECT_FALSE(organ.topology().tellsSide(TriangleId{10}, !organ.health().inverted));
+      for (int i = 0; i < 1000; ++i) {
+        const Eigen::Vector3d tip = randomPoint(generator, 7.0) + Eigen::Vector3d::Constant(6.0);
+        ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
+      }
     }
   }
 }

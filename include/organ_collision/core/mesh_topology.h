@@ -40,6 +40,13 @@ class MeshTopology {
   /// It is closed and consistently wound, and all of it hangs together across edges of two
   /// triangles each, rather than by touching itself at vertices or edges.
   bool isOnePiece() const { return one_piece_; }
+  /// Whether the pseudonormals of a triangle tell inside from outside, of a surface that does not
+  /// cross itself and is inverted or not: those of all if it is one piece; of what touches itself,
+  /// those of the piece that is outermost, where nothing else touches that.
+  bool tellsSide(TriangleId triangle, bool inverted) const {
+    return one_piece_ ||
+           (!outermost_.empty() && outermost_[index(triangle)] && inverted == outermost_inverted_);
+  }
   /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
   const std::vector<VertexId>& parts() const { return parts_; }
   /// With the same corners as an earlier one.
@@ -60,7 +67,8 @@ class MeshTopology {
   void listTriangles(const TriangleMesh& mesh);
   void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
-  bool hangsTogether(const TriangleMesh& mesh) const;
+  void findOutermost(const TriangleMesh& mesh);
+  std::vector<std::uint32_t> pieces(const TriangleMesh& mesh) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
@@ -70,6 +78,8 @@ class MeshTopology {
   bool closed_ = true;
   bool consistently_wound_ = true;
   bool one_piece_ = false;
+  std::vector<bool> outermost_;  // triangles; none if that is not known, or it is one piece
+  bool outermost_inverted_ = false;
   std::size_t duplicate_triangles_ = 0;
 };
 

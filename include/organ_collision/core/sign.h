@@ -25,7 +25,7 @@ int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point);
 /// A pseudonormal, and what it is worth.
 struct SurfaceNormal {
   Eigen::Vector3d direction;  ///< as pseudonormal() gives it
-  bool is_clear;              ///< rounding could not turn it to the other side
+  bool is_clear;              ///< rounding could not turn it, and it tells inside from outside
 };
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature);
 
