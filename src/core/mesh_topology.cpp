@@ -312,12 +312,12 @@ void MeshTopology::findOutermost(const TriangleMesh& mesh) {
   for (Weld weld = 0; weld < representatives_.size(); ++weld)
     if (offsets_[weld] != offsets_[weld + 1] && at(weld).x() > at(farthest).x()) farthest = weld;
   const std::uint32_t piece = piece_of[index(*trianglesAt(farthest).begin())];
-  const auto isOfPiece = [&](VertexId corner) {
+  const auto is_of_piece = [&](VertexId corner) {
     const TriangleRange around = trianglesAt(weld(corner));
     return std::all_of(around.begin(), around.end(),
                        [&](TriangleId triangle) { return piece_of[index(triangle)] == piece; });
   };
-  if (!isOfPiece(representatives_[farthest])) return;
+  if (!is_of_piece(representatives_[farthest])) return;
   // The angle-weighted normal there points away from the piece or, if that is inverted, into it.
   constexpr double kClear = 1e-6;
   double along = 0.0;
@@ -336,7 +336,7 @@ void MeshTopology::findOutermost(const TriangleMesh& mesh) {
   outermost_.resize(mesh.triangleCount());
   for (std::size_t i = 0; i < outermost_.size(); ++i) {
     const Corners& corners = mesh.triangles()[i];
-    outermost_[i] = std::all_of(corners.begin(), corners.end(), isOfPiece);
+    outermost_[i] = std::all_of(corners.begin(), corners.end(), is_of_piece);
   }
 }
 
