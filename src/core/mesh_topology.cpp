@@ -319,7 +319,7 @@ void MeshTopology::findOutermost(const TriangleMesh& mesh) {
   };
   if (!is_of_piece(representatives_[farthest])) return;
   // The angle-weighted normal there points away from the piece or, if that is inverted, into it.
-  constexpr double kClear = 1e-6;
+  constexpr double kClear = 0x1p-20;
   double along = 0.0;
   for (const TriangleId id : trianglesAt(farthest)) {
     const Corners& corners = mesh.corners(id);
