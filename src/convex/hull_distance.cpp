@@ -40,6 +40,7 @@ class Pair {
   /// The point of each hull that a point of their difference stands for.
   HullDistance at(const Gjk::Simplex& simplex) const {
     HullDistance found{};
+    found.on_first = found.on_second = Vector3d::Zero();
     for (std::size_t i = 0; i < simplex.rank; ++i) {
       const Vector3d& direction = simplex.c[i]->d;
       found.on_first += simplex.p[i] * difference_.support(direction, 0);
@@ -67,12 +68,6 @@ struct Found {
   bool have_common = false;  ///< a point, but for kPrecision
 };
 
-/// Whether the simplex stands for a point within it: of needles FCL's may not.
-bool isWithin(const Gjk::Simplex& simplex) {
-  return std::all_of(simplex.p, simplex.p + simplex.rank,
-                     [](double weight) { return weight >= -kProven; });
-}
-
 /// FCL's ends too early in one of some hundred pairs, where its simplex has become flat: it starts
 /// anew from there until the gap proves the distance. FCL's other GJK, that on libccd, takes a
 /// corner that is as far as the last for the end of the search, so aligned boxes stop it each time.
@@ -85,7 +80,7 @@ Found byGjk(const Points& first, const Points& second) {
     Gjk gjk(kIterations, kPrecision);
     const Gjk::Status status = gjk.evaluate(pair.difference(), guess);
     if (status == Gjk::Inside) return {best, true};
-    if (status != Gjk::Valid || !isWithin(*gjk.getSimplex())) return {best, false};
+    if (status != Gjk::Valid) return {best, false};
     HullDistance found = pair.at(*gjk.getSimplex());
     const Vector3d apart = found.on_second - found.on_first;
     if (apart.isZero(0.0)) return {std::nullopt, true};
