@@ -144,6 +144,15 @@ Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accura
           colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
+/// What overlaps is as near as can be: only a sign tells how deep.
+Contact notBelowZero(Contact contact) {
+  NearestTriangle& nearest = contact.nearest;
+  if (nearest.distance_signed) return contact;
+  for (double* distance : {&nearest.distance, &nearest.lower_bound, &nearest.upper_bound})
+    *distance = std::max(*distance, 0.0);
+  return contact;
+}
+
 /// `asker(i)` asks for the i-th piece.
 template <class AskerOf>
 Contact contactOf(const AskerOf& asker, const Shapes& shapes,
@@ -171,13 +180,13 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
   whole.nearest.work = work;
   whole.colliding = any_colliding;
   whole.colliding_certain = any_colliding || all_certain;
-  return whole;
+  return notBelowZero(whole);
 }
 
 }  // namespace
 
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy) {
-  return contactOf(Asker(organ), shape, accuracy);
+  return notBelowZero(contactOf(Asker(organ), shape, accuracy));
 }
 
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,

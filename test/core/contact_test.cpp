@@ -118,8 +118,21 @@ TEST(Contact, OfARoundShapeWithAnOpenSurfaceIsTouchingIt) {
   EXPECT_TRUE(below.colliding_certain);
   EXPECT_TRUE(contact(grid, Sphere{{1.3, 2.2, -0.5}, 0.5}).colliding);
   const Contact pierced = contact(grid, Sphere{{1.3, 2.2, -0.25}, 1.0});
-  EXPECT_EQ(pierced.nearest.distance, -0.75);
+  EXPECT_TRUE(pierced.colliding);
+  EXPECT_TRUE(pierced.colliding_certain);
+  EXPECT_EQ(pierced.nearest.distance, 0.0);  // no sign, no depth; that is between the points
+  EXPECT_EQ(pierced.nearest.lower_bound, 0.0);
+  EXPECT_EQ(pierced.nearest.upper_bound, 0.0);
   EXPECT_EQ(pierced.nearest.tip_point.z(), 0.75);
+}
+
+TEST(Contact, WithoutASignIsNeverBelowZero) {
+  const CollisionMesh organ(test::blob(4));
+  const Contact greedy = contact(organ, Sphere{{0, 0, 0}, 1.0}, Accuracy::greedy());
+  EXPECT_FALSE(greedy.nearest.distance_signed);
+  EXPECT_TRUE(greedy.colliding);
+  EXPECT_EQ(greedy.nearest.distance, 0.0);
+  EXPECT_TRUE(greedy.nearest.isExact());
 }
 
 TEST(Contact, OfAMeshAroundAnOpenSurfaceHasNoSignButCollides) {

@@ -11,12 +11,12 @@
 namespace organ_collision::core {
 
 /// How an instrument stands to an organ. For spheres and capsules `nearest` is that of the centre
-/// or the axis, with the radius subtracted from distance and bounds; `closest` is as seen from
-/// there. So an unsigned distance may be as low as -radius: the surface of the organ is that deep
-/// in the shape. A capsule whose axis crosses the surface has the distance
-/// -radius, however far it crosses. tip_point is on the surface of the shape: the point nearest to
-/// the organ, or deepest in it, |distance| from the organ's point (of a capsule inside with an end
-/// towards the surface, beside that end).
+/// or the axis, with the radius subtracted from distance and bounds, which without a sign end at 0;
+/// `closest` is as seen from there. A capsule whose axis crosses the surface of a solid has the
+/// distance -radius, however far it crosses. tip_point is on the surface of the shape: the point
+/// nearest to the organ, or deepest in it. It is |distance| from the organ's point (of a capsule
+/// inside with an end towards the surface, beside that end); without a sign, as far as the organ's
+/// point is deep in the shape.
 struct Contact {
   NearestTriangle nearest;
   bool colliding;  ///< (also at a distance: a mesh around an open organ) instrument and organ (its
