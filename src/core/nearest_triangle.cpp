@@ -44,6 +44,8 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
   const std::optional<Side> side =
       sideOf(organ, nearest.isExact() ? corner : nearest.tip_point, nearest.closest, normal);
   nearest.distance_signed = side.has_value();
+  if (side && nearest.isExact())
+    nearest.normal = outwardNormal(organ, nearest.closest, normal, *side);
   if (side == Side::kInside) {
     nearest.distance = -nearest.distance;
     nearest.upper_bound = -nearest.lower_bound;

@@ -157,6 +157,20 @@ int crossing(const Triangle& triangle, const Eigen::Vector3d& point) {
   return turns;
 }
 
+/// Whether the point to which `closest` is nearest is on that side of it to which the direction
+/// leads; nothing where rounding could turn that.
+std::optional<bool> isAbove(const Box& box, const ClosestPoint& closest,
+                            const Eigen::Vector3d& direction) {
+  const double distance = largestCoordinate(closest.offset);
+  const double extent = distance + largestCoordinate(box.high - box.low);
+  const Eigen::Vector3d offset =
+      isSafe(closest.squared_distance) ? closest.offset : madeSafe(closest.offset);
+  const double height = -offset.dot(direction);
+  if (!(distance > 0x1p-30 * extent && height * height > kClear * kClear * squaredLength(offset)))
+    return std::nullopt;
+  return height > 0.0;
+}
+
 }  // namespace
 
 Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
@@ -198,15 +212,18 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
   const MeshHealth& health = organ.health();
   if (!health.isSolid()) return std::nullopt;
   if (!health.box.contains(point)) return Side::kOutside;
-  const double distance = largestCoordinate(closest.offset);
-  const double extent = distance + largestCoordinate(health.box.high - health.box.low);
-  const Eigen::Vector3d offset =
-      isSafe(closest.squared_distance) ? closest.offset : madeSafe(closest.offset);
-  const double height = -offset.dot(normal.direction);
-  const bool clear = normal.is_clear && height * height > kClear * kClear * squaredLength(offset) &&
-                     distance > 0x1p-30 * extent && !organ.isPerhapsFlat();
-  const bool outside = clear ? height > 0.0 : windingNumber(organ, point) == 0;
+  const std::optional<bool> above = isAbove(health.box, closest, normal.direction);
+  const bool clear = normal.is_clear && above && !organ.isPerhapsFlat();
+  const bool outside = clear ? *above : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
+}
+
+Eigen::Vector3d outwardNormal(const CollisionMesh& organ, const ClosestPoint& closest,
+                              const SurfaceNormal& normal, Side side) {
+  if (normal.is_clear) return normal.direction;
+  const std::optional<bool> above = isAbove(organ.health().box, closest, normal.direction);
+  const bool leads_inwards = above && *above != (side == Side::kOutside);
+  return leads_inwards ? Eigen::Vector3d(-normal.direction) : normal.direction;
 }
 
 }  // namespace organ_collision::core

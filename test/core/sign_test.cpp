@@ -133,6 +133,28 @@ TEST(Sign, HoldsWherePartsOfTheSurfaceTouch) {
   }
 }
 
+TEST(Sign, ComesWithANormalThatLeadsOutwardsAlsoOfAPartThatIsInsideOut) {
+  const TriangleMesh cube = test::cube();
+  const TriangleMesh other = test::placed(cube, 1.0, {3, 0, 0});
+  const TriangleMesh hollow = test::placed(cube, 0.5, {0.25, 0.25, 0.25});
+  for (const TriangleMesh& part : {other, test::turned(other), test::turned(hollow)}) {
+    const TriangleMesh whole = test::joined(cube, part);
+    for (const TriangleMesh& mesh : {whole, test::turned(whole)}) {
+      const CollisionMesh organ(mesh);
+      std::mt19937 generator(67);
+      for (int i = 0; i < 1000; ++i) {
+        const Eigen::Vector3d tip = randomPoint(generator, 2.5) + Eigen::Vector3d(2, 0.5, 0.5);
+        const NearestTriangle nearest = nearestTriangle(organ, tip);
+        const Eigen::Vector3d away = tip - nearest.closest.point;
+        ASSERT_GT(nearest.normal.dot(away) * nearest.distance, 0.0) << tip.transpose();
+        const NearestTriangle greedy = nearestTriangle(organ, 3.0 * tip, Accuracy::greedy());
+        if (greedy.isExact()) continue;
+        ASSERT_EQ(greedy.normal, pseudonormal(organ, greedy.triangle, greedy.closest.feature));
+      }
+    }
+  }
+}
+
 TEST(Topology, TellsPiecesFromWhatOnlyTouches) {
   EXPECT_TRUE(CollisionMesh(test::cube()).topology().isOnePiece());
   EXPECT_TRUE(CollisionMesh(test::blob(4)).topology().isOnePiece());

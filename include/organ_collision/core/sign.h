@@ -37,4 +37,9 @@ SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Fea
 std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
                            const ClosestPoint& closest, const SurfaceNormal& normal);
 
+/// The normal, turned if it clearly leads inwards: a part of the surface may be inside out by
+/// itself. REQUIRES: as for sideOf(); `side` is that of the point.
+Eigen::Vector3d outwardNormal(const CollisionMesh& organ, const ClosestPoint& closest,
+                              const SurfaceNormal& normal, Side side);
+
 }  // namespace organ_collision::core
