@@ -102,8 +102,10 @@ bool improve(Candidate& best, const Corner& base, const Vector3d& step) {
 /// The point nearest to the query between the corners, unless it is `nearer` itself.
 void considerEdge(const Corner& nearer, const Corner& farther, Candidate& best) {
   const Vector3d edge = farther.position - nearer.position;
-  const double t = -nearer.offset.dot(edge) / squaredLength(edge);
-  if (!(t > 0 && t < 1) || !improve(best, nearer, t * edge)) return;
+  const double along = -nearer.offset.dot(edge);
+  if (!(along > 0)) return;
+  const double t = along / squaredLength(edge);
+  if (!(t < 1) || !improve(best, nearer, t * edge)) return;
   best.barycentric[nearer.slot] = 1 - t;
   best.barycentric[farther.slot] = t;
 }
@@ -113,10 +115,30 @@ bool isNarrow(const Vector3d& e1, const Vector3d& e2) {
   return squaredLength(e1.cross(e2)) <= kPerhapsFlat * squaredLength(e1) * squaredLength(e2);
 }
 
-/// Whether both edges lead away from the query, as far as plain products tell.
-bool isNearestAtBase(const View& view) {
-  return isSafe(squaredLength(view.to_left)) && isSafe(squaredLength(view.to_right)) &&
-         view.base.offset.dot(view.to_left) >= 0 && view.base.offset.dot(view.to_right) >= 0;
+constexpr double kLeastShare = 0x1p-100;
+
+/// Plain products of the edges from the nearest corner, and of the way there from the query.
+struct Products {
+  Products(const Vector3d& offset, const Vector3d& to_left, const Vector3d& to_right)
+      : left(squaredLength(to_left)),
+        right(squaredLength(to_right)),
+        both(to_left.dot(to_right)),
+        along_left(offset.dot(to_left)),
+        along_right(offset.dot(to_right)) {}
+
+  bool areSafe() const { return isSafe(left) && isSafe(right); }
+  /// In whatever unit: nothing is lost beside the longer one's square.
+  bool areComparable() const { return left > kLeastShare * right && right > kLeastShare * left; }
+
+  double left, right, both, along_left, along_right;
+};
+
+/// The same in a unit in which they are safe if they are comparable.
+Products inSafeUnit(const View& view) {
+  const double largest =
+      std::max(largestCoordinate(view.to_left), largestCoordinate(view.to_right));
+  const double factor = largest > 0 ? normalisingFactor(largest) : 1;
+  return {factor * view.base.offset, factor * view.to_left, factor * view.to_right};
 }
 
 /// Steps to the point with these weights of left and right; false if it is not inside the face.
@@ -142,6 +164,35 @@ void considerFace(const View& view, Candidate& best) {
   stepInside(view, *weights, best);
 }
 
+/// What plain products make of the face.
+enum class Plainly : std::uint8_t { kInside, kBeside, kUnclear };
+
+/// Most triangles are well shaped: where the query is clearly above such a face, plain products
+/// tell accurately enough what is below it, and steps there. Their rounding moves that, along the
+/// face, by less than 2^6*u of the way to the nearest corner; that changes the distance, which is
+/// 2^-20 of that way or more, by less than 2^-20*u of it.
+Plainly stepPlainly(const View& view, const Products& products, Candidate& best) {
+  const auto& [left, right, both, along_left, along_right] = products;
+  const double edges = left * right;
+  const double squared_normal = edges - both * both;
+  if (!products.areComparable() || !(squared_normal > kWellShaped * edges))
+    return Plainly::kUnclear;
+  const double s = (both * along_right - right * along_left) / squared_normal;
+  const double t = (both * along_left - left * along_right) / squared_normal;
+  const Vector3d step = s * view.to_left + t * view.to_right;
+  const Vector3d offset = view.base.offset + step;
+  const double squared_distance = squaredLength(offset);
+  if (!(squared_distance > kNearlyNothing * view.base.squared_distance)) return Plainly::kUnclear;
+  const double rest = 1 - (s + t);
+  if (!(s > 0 && t > 0 && rest > 0 && squared_distance < best.squared_distance))
+    return Plainly::kBeside;
+  best = {&view.base, step, squared_distance, Vector3d::Zero()};
+  best.barycentric[view.base.slot] = rest;
+  best.barycentric[view.left.slot] = s;
+  best.barycentric[view.right.slot] = t;
+  return Plainly::kInside;
+}
+
 /// REQUIRES: of the corners of `view`, left is not farther than right.
 void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.base, view.left, best);
@@ -149,16 +200,15 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.left, view.right, best);
 }
 
-/// Most triangles are well shaped: where the query is above such a face, no edge is nearer; where
-/// it is not, nothing inside is.
-void considerBeyondBase(const View& view, Candidate& best) {
-  const std::optional<Vector2d> plain =
-      plainPlaneCoordinates(-view.base.offset, view.to_left, view.to_right);
-  if (plain && stepInside(view, *plain, best)) return;
+/// Above a well-shaped face no edge is nearer; beside it nothing inside is.
+void considerBeyondBase(const View& view, const Products& products, Candidate& best) {
+  const Plainly plainly = products.areSafe() ? stepPlainly(view, products, best)
+                                             : stepPlainly(view, inSafeUnit(view), best);
+  if (plainly == Plainly::kInside) return;
   const View ordered =
       isNearer(view.left, view.right) ? view : View(view.base, view.right, view.left);
   considerEdges(ordered, best);
-  if (!plain) considerFace(ordered, best);
+  if (plainly == Plainly::kUnclear) considerFace(ordered, best);
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -201,11 +251,12 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& trian
   const View view(corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
                   corners[nearest == 0 ? 2 : nearest - 1]);
   Candidate best = atCorner(view.base);
-  if (isNearestAtBase(view)) {
+  const Products products(view.base.offset, view.to_left, view.to_right);
+  if (products.along_left >= 0 && products.along_right >= 0 && products.areSafe()) {
     return {view.base.position, view.base.offset, best.barycentric, featureOf(best.barycentric),
             view.base.squared_distance};
   }
-  considerBeyondBase(view, best);
+  considerBeyondBase(view, products, best);
 
   const Box seen = boxOf({corners[0].offset, corners[1].offset, corners[2].offset});
   const Box box = boxOf(triangle);
