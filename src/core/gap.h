@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/lane_triangles.h"
+#include "core/shortest.h"
 #include "organ_collision/core/wide_node.h"
 
 // Gaps between a tip of several corners and boxes or triangles, eight at a time.
@@ -17,9 +18,6 @@
 namespace organ_collision::core {
 namespace {
 
-/// Shorter directions tell nothing: their squares underflow in single precision.
-constexpr float kShortestSquare = 0x1p-100F;
-
 template <class Real>
 inline Lanes<Real> clampedTo1(const Lanes<Real>& x) {
   return smaller(larger(x, Lanes<Real>{}), Lanes<Real>::all(1));  // 0 if it is not a number
@@ -30,20 +28,6 @@ inline LaneVector<Real> clamped(const LaneVector<Real>& v, const LaneVector<Real
                                 const LaneVector<Real>& high) {
   return {smaller(larger(v.x, low.x), high.x), smaller(larger(v.y, low.y), high.y),
           smaller(larger(v.z, low.z), high.z)};
-}
-
-template <class Real>
-inline LaneVector<Real> select(const Truth<Real>& truth, const LaneVector<Real>& a,
-                               const LaneVector<Real>& b) {
-  return {select(truth, a.x, b.x), select(truth, a.y, b.y), select(truth, a.z, b.z)};
-}
-
-/// A gap along a direction that is `length` long times that length, as a distance.
-template <class Real>
-inline Lanes<Real> distanceOfGap(const Lanes<Real>& gap, const Lanes<Real>& squared_length) {
-  const Lanes<Real> none{};
-  return select(Lanes<Real>::all(Real{kShortestSquare}) <= squared_length,
-                larger(gap, none) / root(squared_length), none);
 }
 
 /// How far a segment is from the lanes' boxes along a direction, times its length: the boxes are
@@ -82,23 +66,6 @@ inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end
       distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction)),
       distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square)));
 }
-
-/// The shortest vector found so far from the tip to each triangle.
-template <class Real>
-struct Shortest {
-  LaneVector<Real> offset;
-  Lanes<Real> squared;
-
-  explicit Shortest(const LaneVector<Real>& first) : offset(first), squared(dot(first, first)) {}
-
-  void consider(const LaneVector<Real>& other, const Truth<Real>& valid) {
-    const Lanes<Real> squared_other = dot(other, other);
-    const Truth<Real> shorter = (squared_other <= squared) & valid;
-    offset = select(shorter, other, offset);
-    squared = select(shorter, squared_other, squared);
-  }
-  void consider(const LaneVector<Real>& other) { consider(other, other.x <= other.x); }
-};
 
 /// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the
 /// vector from nearest point to nearest point. Source: C. Ericson, "Real-time collision detection"
@@ -186,10 +153,12 @@ class LaneFaces {
   Lanes<Real> squared_normal_, nearest_, farthest_;
 };
 
-/// Between which distances the lanes' triangles are from a tip, but for rounding.
+/// Between which distances the lanes' triangles are from a tip, but for rounding; and the way that
+/// keeps them apart, from the tip.
 template <class Real>
 struct Gap {
   Lanes<Real> low, high;
+  LaneVector<Real> way;
 };
 
 /// Of a tip of two or three corners, relative to the packet's origin.
@@ -232,7 +201,7 @@ inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[kCorners], const Trian
   const Lanes<Real> nearest_of_lanes =
       smaller(smaller(dot(offset, a), dot(offset, b)), dot(offset, c));
   return {distanceOfGap(nearest_of_lanes - farthest_of_tip, shortest.squared),
-          root(shortest.squared)};
+          root(shortest.squared), offset};
 }
 
 }  // namespace

@@ -59,8 +59,9 @@ struct PlainBox {
 struct Kernels {
   /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
   void (*walk)(Search& search);
-  /// Looks again at what is followed and may be nearest after the drift.
-  void (*follow)(Search& search);
+  /// Looks at what of the front may be nearest now; false where so much may that it is better to
+  /// walk.
+  bool (*follow)(Search& search);
   /// Goes down by the splits to a leaf; false where rounding could decide one of them wrongly.
   bool (*descend)(Descent& descent);
   /// Walks through two trees at once.

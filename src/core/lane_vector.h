@@ -111,5 +111,16 @@ inline Vector<Real> turned(const WideNode& node, const Vector<Real>& v) {
   return {along(node.axes[0]), along(node.axes[1]), along(node.axes[2])};
 }
 
+/// And back, but for the axes' being shorter than 1.
+template <class Real>
+inline LaneVector<Real> turnedBack(const WideNode& node, const LaneVector<Real>& v) {
+  const auto along = [&](std::size_t i) {
+    return Lanes<Real>::all(Real{node.axes[0][i]}) * v.x +
+           Lanes<Real>::all(Real{node.axes[1][i]}) * v.y +
+           Lanes<Real>::all(Real{node.axes[2][i]}) * v.z;
+  };
+  return {along(0), along(1), along(2)};
+}
+
 }  // namespace
 }  // namespace organ_collision::core

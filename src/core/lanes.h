@@ -329,6 +329,15 @@ inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bou
   return smaller(least, select(those, bounds, least));
 }
 
+/// True in these lanes, by bits.
+inline Truth<float> lanesOf(std::uint32_t bits) {
+  Truth<float> lanes;
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+    lanes.part[lane / Lanes<float>::kPartLanes][lane % Lanes<float>::kPartLanes] =
+        (bits >> lane & 1U) != 0 ? -1 : 0;
+  return lanes;
+}
+
 /// Those that are below zero, by bits; -0 too.
 inline std::uint32_t signsOf(const Lanes<float>& lanes) {
   Truth<float> signs;

@@ -93,7 +93,7 @@ class NearestSearch : protected Search {
     leaves_left =
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
     Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
-      return static_cast<NearestSearch&>(search).measure(leaf);
+      static_cast<NearestSearch&>(search).measure(leaf);
     };
     Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
       return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
@@ -127,22 +127,19 @@ class NearestSearch : protected Search {
     kernels().walk(*this);
   }
 
-  double measure(FarthestPairTree::Leaf leaf) {
-    if (squared_best_ == 0.0 && leaf > best_leaf) return 0.0;
-    if (isTied(leaf)) return best;
+  void measure(FarthestPairTree::Leaf leaf) {
+    if (squared_best_ == 0.0 && leaf > best_leaf) return;
+    if (isTied(leaf)) return;
     const Corners& vertices = leaf_corners[leaf];
     const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
-    const double unit_distance = std::sqrt(squared_distance) * scale_;
-    if (squared_distance < squared_best_ ||
-        (squared_distance == squared_best_ && leaf < best_leaf)) {
-      pair_ = candidate;
-      best_vertex = nearestVertex(vertices);
-      best_leaf = leaf;
-      squared_best_ = squared_distance;
-      best = std::min(best, unit_distance);
-    }
-    return unit_distance;
+    if (squared_distance > squared_best_ || (squared_distance == squared_best_ && leaf > best_leaf))
+      return;
+    pair_ = candidate;
+    best_vertex = nearestVertex(vertices);
+    best_leaf = leaf;
+    squared_best_ = squared_distance;
+    best = std::min(best, std::sqrt(squared_distance) * scale_);
   }
 
   /// That a point is nearest to, of the best triangle's.

@@ -2,6 +2,7 @@
 
 #include "core/bounds.h"
 #include "core/lane_triangles.h"
+#include "core/shortest.h"
 
 // The triangles of a packet: their boxes, and distances of points to them.
 namespace organ_collision::core {
@@ -24,15 +25,21 @@ inline void boxTriangles(const TrianglePacket& packet, LaneVector<Real>& low,
   high = {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)};
 }
 
-/// The distance of a point, at the origin, to the segment from `start` along `edge`.
+/// The point nearest to the origin of the segment from `start` along `edge`.
+template <class Real>
+inline LaneVector<Real> nearestOfSegment(const LaneVector<Real>& start,
+                                         const LaneVector<Real>& edge, const Lanes<Real>& along,
+                                         const Lanes<Real>& squared_edge) {
+  // larger() and smaller() make 0 of what is not a number: edges without length.
+  const Lanes<Real> t =
+      smaller(larger((Lanes<Real>{} - along) / squared_edge, Lanes<Real>{}), Lanes<Real>::all(1));
+  return start + t * edge;
+}
 template <class Real>
 inline Lanes<Real> squaredDistanceToSegment(const LaneVector<Real>& start,
                                             const LaneVector<Real>& edge, const Lanes<Real>& along,
                                             const Lanes<Real>& squared_edge) {
-  // larger() and smaller() make 0 of what is not a number: edges without length.
-  const Lanes<Real> t =
-      smaller(larger((Lanes<Real>{} - along) / squared_edge, Lanes<Real>{}), Lanes<Real>::all(1));
-  const LaneVector<Real> nearest = start + t * edge;
+  const LaneVector<Real> nearest = nearestOfSegment(start, edge, along, squared_edge);
   return dot(nearest, nearest);
 }
 
@@ -85,6 +92,27 @@ inline SquaredRange<Real> squaredDistanceOfPoint(const TrianglePacket& packet,
       (weight_doubt <= least_weight) & (Lanes<Real>::all(4) * square_doubt <= squared_normal);
   return {select(perhaps_inside, smaller(to_plane, to_edges), to_edges),
           select(surely_inside, smaller(perhaps_to_plane, to_edges), to_edges)};
+}
+
+/// About the shortest ways from a point to the triangles of a packet, of which it is told how far
+/// they are.
+template <class Real>
+[[gnu::always_inline]] inline Ways<Real> waysTo(const TrianglePacket& packet,
+                                                const Vector<Real>& point,
+                                                const Lanes<Real>& squared_low) {
+  const auto [corner, ab, ac] = trianglesOf<Real>(packet);
+  const LaneVector<Real> a = corner - everywhere(point);
+  const LaneVector<Real> bc = ac - ab;
+  const LaneVector<Real> b = a + ab;
+  Shortest<Real> to_edges(nearestOfSegment(a, ab, dot(a, ab), dot(ab, ab)));
+  to_edges.consider(nearestOfSegment(a, ac, dot(a, ac), dot(ac, ac)));
+  to_edges.consider(nearestOfSegment(b, bc, dot(b, bc), dot(bc, bc)));
+  const LaneVector<Real> normal = cross(ab, ac);
+  const LaneVector<Real> to_plane = dot(a, normal) / dot(normal, normal) * normal;
+  const LaneVector<Real> ways = select(to_edges.squared <= squared_low, to_edges.offset, to_plane);
+  const Lanes<Real> along =
+      dot(ways, a) + smaller(smaller(dot(ways, ab), dot(ways, ac)), Lanes<Real>{});
+  return {ways, distanceOfGap(along, dot(ways, ways))};
 }
 
 }  // namespace

@@ -28,21 +28,29 @@ struct FrontierRoom {
   float* squares;  ///< of the packets' bounds
 };
 
-/// The packets that may hold what is nearest to a tip while it moves. Bounds are kept as they were
-/// plus the drift of their time, so that less the drift of today they still hold.
-struct Followed {
-  static constexpr std::uint32_t kMost = 64;
-  alignas(64) std::array<float, kMost> bounds = {};  ///< of the packets' triangles, the least
-  alignas(64) std::array<LaneFloats, kMost> lanes;   ///< of each triangle
-  /// The drift up to which each triangle surely ties at tied_vertex; below zero if that is not
-  /// known.
-  alignas(64) std::array<LaneFloats, kMost> tied_until;
-  std::array<std::uint32_t, kMost> packets;
-  std::uint32_t count = 0;
-  std::uint32_t nearest = kNoLeaf;   ///< of the last query, also of one that followed nothing
+/// A node or a packet that was opened. Of what is in each lane a lower bound is kept, which a tip
+/// that moves by `m` changes by direction . m at least: between a tip and a convex body lies a
+/// plane that keeps them apart.
+struct alignas(32) KeptSets {
+  LanePoints direction;   ///< not longer than 1, towards the tip
+  LaneFloats bound;       ///< with the tip where the front's origin is; infinite: opened, too
+  LaneFloats tied_until;  ///< of a packet's triangles: the way on which each surely ties at
+                          ///< Front::tied_vertex; below zero if that is not known
+  std::uint32_t opened;   ///< a node, or kPacketBit and a packet
+};
+
+/// What a tracker keeps of a search for the next: all sets of the tree that were reached but not
+/// opened, which together hold all triangles, each with a bound that still holds when tip and mesh
+/// have moved.
+struct Front {
+  static constexpr std::uint32_t kMost = 96;
+  std::array<KeptSets, kMost> kept;
+  std::uint32_t count = 0;           ///< 0: there is no front
+  std::uint32_t nearest = kNoLeaf;   ///< of the last query, also of one that kept no front
   VertexId tied_vertex = kNoVertex;  ///< of `nearest`, for which tied_until holds; or for none
-  double clear;                      ///< of all else, the least
-  double drift;  ///< so far at most have tip and mesh moved towards each other since the walk
+  double drift = 0.0;                ///< since the walk: how far the mesh has moved at most
+  double way = 0.0;  ///< and how far tip and mesh have moved towards each other at most
+  std::array<std::array<float, 3>, 3> shift = {};  ///< of the tip's corners
 };
 
 /// One search: what it is given, what it knows, what it has found. Lengths in the unit frame.
@@ -60,9 +68,8 @@ struct Search {
   bool dives = true;        ///< to find something near first, as nothing is known that is
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
-  /// Measures a triangle exactly, and lowers `best` if it is the nearest so far. Returns its
-  /// distance, or 0 where it matters no more.
-  double (*measure)(Search& search, std::uint32_t leaf);
+  /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.
+  void (*measure)(Search& search, std::uint32_t leaf);
   /// How far the tip may move while a triangle is known not to be nearer than the nearest vertex so
   /// far, which it has too, nor to come before the triangle named for it; negative if it is not.
   double (*roomOfTie)(const Search& search, std::uint32_t leaf);
@@ -70,8 +77,7 @@ struct Search {
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first
   VertexId best_vertex;     ///< the nearest point of that, if it is one
 
-  double slack = 0.0;            ///< sets up to this much farther than the best are followed, too
-  Followed* followed = nullptr;  ///< where to put the packets looked at, or null
+  Front* front = nullptr;  ///< to be kept for the next, or null
 
   double unopened;  ///< what was not looked at is not nearer; infinite if it cannot be nearest
   std::uint32_t bounds = 0, triangles = 0;  ///< boxes and triangles looked at

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "core/bounds.h"
-#include "core/candidates.h"
+#include "core/front_keeper.h"
 #include "core/frontier.h"
-#include "core/search.h"
-#include "core/walking_tip.h"
+#include "core/nearest_so_far.h"
 
 // The walk itself, for whichever vector unit includes it.
 namespace organ_collision::core {
@@ -18,16 +16,12 @@ inline void fetch(const Item& item) {
     __builtin_prefetch(reinterpret_cast<const char*>(&item) + i);
 }
 
-/// Of a tip of one, two or three corners.
-template <class Real, std::uint32_t kCorners>
+/// Of a tip of one, two or three corners. `kKeeps`: what is opened makes a front.
+template <class Real, std::uint32_t kCorners, bool kKeeps = false>
 class Walk {
  public:
-  explicit Walk(Search& search)
-      : search_(search),
-        tip_(search),
-        share_(search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
-        allowance_(Real{inFloat(search.allowance)}) {
-    look();
+  explicit Walk(Search& search) : search_(search), nearest_(search) {
+    if constexpr (kKeeps) keeper_.start(*search.front);
   }
 
   void run() {
@@ -35,159 +29,23 @@ class Walk {
     Frontier frontier(search_.room);
     if (search_.dives) {
       for (const PassedNode* node = dive(kRoot); node-- != search_.room.passed;) {
-        put(*node->node, Lanes<Real>::load(node->squares.data()), frontier);
+        const Lanes<Real> squares = Lanes<Real>::load(node->squares.data());
+        const std::uint32_t matter = put(*node->node, squares, frontier);
+        keep(*node->node, matter | (infinite<Real>() <= squares).bits());
         if (search_.sparing) lookAll(frontier);  // few leaves are for what is beside the first
       }
     } else {
       frontier.addNode(kRoot);
     }
     lookAll(frontier);
-    if (search_.followed != nullptr || !isExact()) leaveOutBoxes();
-    finish();
-  }
-
-  /// The same over the packets that are followed.
-  void follow() {
-    Followed& followed = *search_.followed;
-    const auto drift = static_cast<float>(followed.drift * (1 + kKept));
-    const float nearest = kept(static_cast<Real>(measure(followed.nearest)));
-    if (search_.best_vertex != kNoVertex) {
-      if (search_.best_vertex != followed.tied_vertex) forgetTies();
-      drift_of_ties_ = drift;
-    }
-    for (std::uint32_t first = 0; first < followed.count; first += kLaneCount) {
-      const Lanes<float> bounds = Lanes<float>::load(&followed.bounds[first]);
-      for (std::uint32_t rest = (bounds <= Lanes<float>::all(reach_ + drift)).bits(); rest != 0;
-           rest &= rest - 1) {
-        const std::uint32_t i = first + lowestBit(rest);
-        if (i < followed.count && !isTooLate(search_.packets[followed.packets[i]]))
-          lookAgain(i, reach_ + drift, nearest);
-      }
-    }
-    finish();
-    if (search_.best_leaf != followed.nearest) followed.tied_vertex = kNoVertex;
+    if (!nearest_.isExact()) leaveOutBoxes();
+    nearest_.finish();
   }
 
  private:
-  static constexpr bool kIsPoint = kCorners == 1;
-
-  /// What was left out because it was farther than the best of its time is farther than the last.
-  bool isExact() const {
-    return search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
-  }
-
   void leaveOutBoxes() {
-    const double box =
-        rootOf(leastOf(boxes_left_out_)) * (1 - 4 * kRoundoff<Real>)-tip_.boxRounding();
-    if (search_.followed != nullptr && box < search_.followed->clear) search_.followed->clear = box;
-    leaveOut(box);
-  }
-
-  void finish() {
-    measureCandidates();
-    if (!isExact()) leaveOut(candidates_.leftOut());
-    if (isExact() || search_.unopened >= search_.best) search_.unopened = kInfinity;
-  }
-
-  /// Of triangles that touch the tip the first is named.
-  bool isTooLate(const TrianglePacket& packet) const {
-    return search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
-  }
-
-  /// What rounding takes from a bound that is kept is less than this part of it.
-  static constexpr float kKept = 4 * kRoundoff<float>;
-  /// A bound of today, as it is kept.
-  float kept(Real bound) const {
-    const auto drift = static_cast<Real>(search_.followed->drift);
-    return inFloat((bound + drift - Real{kTiny}) * (1 - Real{kKept}));
-  }
-  Lanes<Real> kept(const Lanes<Real>& bounds) const {
-    const auto drift = static_cast<Real>(search_.followed->drift);
-    return (bounds + Lanes<Real>::all(drift)) * Lanes<Real>::all(1 - Real{kKept});
-  }
-
-  static constexpr float kNotTied = -1.0F;
-
-  void forgetTies() {
-    Followed& followed = *search_.followed;
-    followed.tied_vertex = search_.best_vertex;
-    for (std::uint32_t i = 0; i < followed.count; ++i)
-      Lanes<float>::all(kNotTied).store(followed.tied_until[i].data());
-  }
-
-  /// Brings the bounds of a packet up to date that may be within `reach`, as bounds are kept; that
-  /// of the triangle that was nearest is known.
-  void lookAgain(std::uint32_t i, float reach, float nearest) {
-    Followed& followed = *search_.followed;
-    const TrianglePacket& packet = search_.packets[followed.packets[i]];
-    const Lanes<float> nearest_lane =
-        Lanes<float>::all(static_cast<float>(followed.nearest - packet.first_leaf));
-    const Truth<float> used = lanesInUse<float>(packet);
-    const Truth<float> is_nearest = used & (Lanes<float>::numbers() <= nearest_lane) &
-                                    (nearest_lane <= Lanes<float>::numbers());
-    Lanes<float> bounds = Lanes<float>::load(followed.lanes[i].data());
-    const Truth<float> within = used & !is_nearest & (bounds <= Lanes<float>::all(reach));
-    const Truth<float> surely_tied =
-        Lanes<float>::all(drift_of_ties_) <= Lanes<float>::load(followed.tied_until[i].data());
-    const float tied = kept(static_cast<Real>(search_.best));
-    bounds = select(within & surely_tied, Lanes<float>::all(tied), bounds);
-    const std::uint32_t in_doubt = (within & !surely_tied).bits();
-    if (in_doubt != 0) {
-      if (areTied(in_doubt, i, packet)) {
-        bounds = select(within, Lanes<float>::all(tied), bounds);
-      } else {
-        bounds = kept(candidates_.boundsOf(scan(packet)));
-      }
-    }
-    bounds = select(is_nearest, Lanes<float>::all(nearest), bounds);
-    bounds.store(followed.lanes[i].data());
-    followed.bounds[i] = leastOf(bounds);
-  }
-
-  /// Whether these lanes of a packet, by bits, tie at the nearest vertex; keeps until when.
-  bool areTied(std::uint32_t lanes, std::uint32_t i, const TrianglePacket& packet) {
-    Followed& followed = *search_.followed;
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const std::uint32_t lane = lowestBit(lanes);
-      const double room = search_.roomOfTie(search_, packet.first_leaf + lane);
-      if (room < 0.0) return false;
-      followed.tied_until[i][lane] = static_cast<float>((followed.drift + room) * (1 - kKept));
-    }
-    return true;
-  }
-
-  /// To follow a packet whose triangles are not nearer than `bounds`.
-  void note(std::uint32_t packet, const Lanes<Real>& bounds) {
-    Followed& followed = *search_.followed;
-    if (followed.count == Followed::kMost) {
-      const Real least = leastOf(bounds);
-      if (least < followed.clear) followed.clear = least;
-      return;
-    }
-    const std::uint32_t i = followed.count++;
-    followed.packets[i] = packet;
-    const Lanes<float> kept_bounds = inFloats(kept(bounds));
-    kept_bounds.store(followed.lanes[i].data());
-    Lanes<float>::all(kNotTied).store(followed.tied_until[i].data());
-    followed.bounds[i] = leastOf(kept_bounds);
-  }
-
-  void look() { look(static_cast<Real>(search_.best)); }
-  void look(Real best) {
-    reach_ = allowedReach(best, share_, allowance_);
-    squared_reach_ = squaredReachOf(reach_);
-  }
-
-  /// Of boxes whose sets matter within that reach.
-  Real squaredReachOf(Real reach) const {
-    return squareOf(reach + static_cast<Real>(search_.slack) + tip_.boxRounding());
-  }
-  Real squaredReach() const {
-    return search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
-  }
-
-  void leaveOut(double bound) {
-    if (bound < search_.unopened) search_.unopened = bound;
+    nearest_.leaveOut(rootOf(leastOf(boxes_left_out_)) *
+                      (1 - 4 * kRoundoff<Real>)-nearest_.tip().boxRounding());
   }
 
   /// Goes down to a packet that is as near as can be told on the way, so that of the rest little
@@ -200,9 +58,9 @@ class Walk {
     while ((set & kPacketBit) == 0) {
       const WideNode& node = nodes[set];
       search_.bounds += node.lane_count;
-      const auto seen = tip_.boxesSeenIn(node);
-      const Lanes<Real> squares = tip_.squaresOf(seen, node);
-      const LaneVector<Real> way = tip_.wayToMiddles(seen, node);
+      const auto seen = nearest_.tip().boxesSeenIn(node);
+      const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
+      const LaneVector<Real> way = nearest_.tip().wayToMiddles(seen, node);
       const std::uint32_t lane =
           laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
       inFloats(squares).store(passed->squares.data());
@@ -212,7 +70,7 @@ class Walk {
       set = setIn(node, lane);
     }
     lookAt(set & ~kPacketBit);
-    decide();
+    nearest_.decide();
     return passed;
   }
 
@@ -243,21 +101,32 @@ class Walk {
   template <bool kNearsReach>
   void open(const WideNode& node, Frontier& frontier) {
     search_.bounds += node.lane_count;
-    const auto seen = tip_.boxesSeenIn(node);
-    if constexpr (kNearsReach) {
-      const Real reach = squaredReachOf(tip_.farthestInNearest(seen, node) + tip_.boxRounding());
-      squared_reach_ = reach < squared_reach_ ? reach : squared_reach_;
-    }
-    put(node, tip_.squaresOf(seen, node), frontier);
+    const auto seen = nearest_.tip().boxesSeenIn(node);
+    if constexpr (kNearsReach) nearest_.isWithin(nearest_.tip().farthestInNearest(seen, node));
+    const std::uint32_t matter = put(node, nearest_.tip().squaresOf(seen, node), frontier);
+    keep(node, matter);
   }
 
-  /// Those of a node's sets that matter are to wait.
-  [[gnu::always_inline]] void put(const WideNode& node, const Lanes<Real>& squares,
-                                  Frontier& frontier) {
-    const Truth<Real> matter = squares <= Lanes<Real>::all(squaredReach());
+  /// Those of a node's sets that matter are to wait; returns them, by bits.
+  [[gnu::always_inline]] std::uint32_t put(const WideNode& node, const Lanes<Real>& squares,
+                                           Frontier& frontier) {
+    const Truth<Real> matter = squares <= Lanes<Real>::all(nearest_.squaredReach());
     // Lanes that are not in use repeat others.
     boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
-    frontier.add(node, matter.bits() & ((1U << node.lane_count) - 1), inFloats(squares));
+    const std::uint32_t lanes = matter.bits() & ((1U << node.lane_count) - 1);
+    frontier.add(node, lanes, inFloats(squares));
+    return lanes;
+  }
+
+  /// The sets of a node but for those nodes among them, by bits, that are opened, too.
+  void keep(const WideNode& node, std::uint32_t opened) {
+    if constexpr (kKeeps) {
+      KeptSets* const kept = keeper_.roomFor(static_cast<std::uint32_t>(&node - search_.nodes));
+      const std::uint32_t nodes = (1U << node.node_count) - 1;
+      const std::uint32_t all = (1U << node.lane_count) - 1;
+      if (kept != nullptr)
+        keeper_.keepBoxes(node, nearest_.tip(), lanesOf(all & ~(opened & nodes)), *kept);
+    }
   }
 
   /// Few leaves are spent one packet after the other. Of many packets most do not matter once the
@@ -279,136 +148,46 @@ class Walk {
   /// Leaves out packets that are too far then.
   void lookAtNearest(Frontier& frontier) {
     lookAt(frontier.takeNearestPacket());
-    decide();
+    nearest_.decide();
     constexpr Real kLargest{0x1p127F};
-    const Real square = squaredReach();
+    const Real square = nearest_.squaredReach();
     const float least =
         frontier.dropPacketsBeyond(square < kLargest ? static_cast<float>(square) : kFloatInfinity);
     boxes_left_out_ = smaller(Lanes<Real>::all(Real{least}), boxes_left_out_);
   }
 
-  void lookAt(std::uint32_t packet) {
-    const Lanes<Real> squares =
-        isTooLate(search_.packets[packet]) ? Lanes<Real>{} : scan(search_.packets[packet]);
-    if (search_.followed != nullptr) note(packet, candidates_.boundsOf(squares));
-  }
-
-  /// The triangles to look at while there are leaves left: one after the other, the nearest box
-  /// first, until no box is nearer than the best. None is farther than its `high`.
-  Truth<Real> chosen(const TrianglePacket& packet, const Lanes<Real>& high, Real rounding) {
-    Real boxes[kLaneCount];
-    (root(tip_.squaresToBoxesOfTriangles(packet)) - Lanes<Real>::all(rounding)).store(boxes);
-    search_.bounds += packet.lane_count;
-    alignas(kVectorBytes) float is_chosen[kLaneCount] = {};
-    Real reach = reach_;
-    for (; search_.leaves_left > 0; --search_.leaves_left) {
-      std::uint32_t nearest = 0;
-      for (std::uint32_t lane = 1; lane < packet.lane_count; ++lane)
-        if (boxes[lane] < boxes[nearest]) nearest = lane;
-      if (!(boxes[nearest] <= reach) || is_chosen[nearest] == 1.0F) break;
-      boxes[nearest] = Real{kFloatInfinity};
-      is_chosen[nearest] = 1.0F;
-      reach = high[nearest] < reach ? high[nearest] : reach;
-      ++search_.triangles;
-    }
-    return Lanes<Real>::all(1) <= Lanes<Real>::load(is_chosen);
-  }
-
-  /// Looks at the triangles of a packet, which become candidates. Returns the squares of their
-  /// bounds, but for rounding.
-  Lanes<Real> scan(const TrianglePacket& packet) {
-    if (candidates_.packetCount() == Candidates<Real>::kMost) makeRoom();
-    Real rounding = 0;
-    const SquaredRange<Real> range = tip_.rangeOf(packet, rounding);
-    const Truth<Real> used = lanesInUse<Real>(packet);
-    Truth<Real> allowed = used;
-    if (search_.sparing) {
-      allowed = chosen(packet, root(range.high) + Lanes<Real>::all(rounding), rounding);
-      candidates_.leaveOut(used & !allowed, range.low);
-    } else {
-      search_.triangles += packet.lane_count;
-    }
-    candidates_.add(allowed, range, rounding, packet.first_leaf);
-    if (!kIsPoint) {
-      const Lanes<Real> meeting = Lanes<Real>::all(squareOf(rounding));
-      if ((allowed & (range.low <= meeting)).bits() != 0) measureCandidates();
-    }
-    return select(used, range.low, infinite<Real>());
-  }
-
-  /// What is nearest of the candidates so far.
-  void decide() {
-    const Real not_farther = candidates_.notFarther();
-    if (!(static_cast<double>(not_farther) < search_.best)) return;
-    search_.best = not_farther;
-    look(not_farther);
-    promised_ = true;
-    promised_leaf_ = candidates_.nearestLeaf();
-    if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
-  }
-
-  void makeRoom() {
-    decide();
-    candidates_.dropBeyond(reachOfCandidates());
-    if (candidates_.packetCount() > Candidates<Real>::kMost / 2) measureCandidates();
-  }
-
-  /// Measures exactly what still may be nearest, first what seems to be. Which those are is told
-  /// before, so that none waits for the one before it.
-  void measureCandidates() {
-    decide();
-    typename Candidates<Real>::Leaves leaves;
-    const std::uint32_t count = candidates_.takeWithin(reachOfCandidates(), leaves);
-    std::uint32_t first = search_.best_leaf;
-    if (promised_) measure(first = promised_leaf_);
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (leaves[i] != first) measure(leaves[i]);
-  }
-
-  /// Of few leaves no errors are allowed besides: more of them never make an answer worse.
-  Real reachOfCandidates() const {
-    return search_.sparing ? static_cast<Real>(search_.best) : reach_;
-  }
-
-  double measure(std::uint32_t leaf) {
-    const double distance = search_.measure(search_, leaf);
-    look();
-    promised_ = promised_ && leaf != promised_leaf_;
-    return distance;
+  void lookAt(std::uint32_t number) {
+    const TrianglePacket& packet = search_.packets[number];
+    if (!nearest_.isTooLate(packet)) nearest_.scan(packet);
   }
 
   Search& search_;
-  WalkingTip<Real, kCorners> tip_;
-  Real share_, allowance_;  // the search's, rounded so that nothing more is left out
-  Real reach_;              // what is farther is left out
-  Real squared_reach_;      // a box with that
+  NearestSoFar<Real, kCorners> nearest_;
   Lanes<Real> boxes_left_out_ = infinite<Real>();  // the nearest of those, squared
-  Candidates<Real> candidates_;
-  float drift_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
-  bool promised_ = false;  // search_.best is owed to a triangle that was not measured
-  std::uint32_t promised_leaf_ = 0;
+  FrontKeeper<kCorners> keeper_;
 };
 
-template <class Real>
-inline void walkAs(Search& search) {
-  if (search.corner_count == 1) Walk<Real, 1>(search).run();
-  if (search.corner_count == 2) Walk<Real, 2>(search).run();
-  if (search.corner_count == 3) Walk<Real, 3>(search).run();
-}
+/// Points are most of what is asked: all in one piece, as calls pass vectors through memory.
+[[gnu::flatten]] inline void walkFromPoint(Search& search) { Walk<float, 1>(search).run(); }
 
+/// REQUIRES: a tip that is far keeps no front.
 inline void walk(Search& search) {
-  if (search.farthest < kFar) {
-    walkAs<float>(search);
-  } else {
-    walkAs<double>(search);
+  const bool is_far = !(search.farthest < kFar);
+  const bool keeps = search.front != nullptr;
+  switch (search.corner_count) {
+    case 1:
+      return is_far  ? Walk<double, 1>(search).run()
+             : keeps ? Walk<float, 1, true>(search).run()
+                     : walkFromPoint(search);
+    case 2:
+      return is_far  ? Walk<double, 2>(search).run()
+             : keeps ? Walk<float, 2, true>(search).run()
+                     : Walk<float, 2>(search).run();
+    default:
+      return is_far  ? Walk<double, 3>(search).run()
+             : keeps ? Walk<float, 3, true>(search).run()
+                     : Walk<float, 3>(search).run();
   }
-}
-
-/// REQUIRES: the tip is near.
-inline void follow(Search& search) {
-  if (search.corner_count == 1) Walk<float, 1>(search).follow();
-  if (search.corner_count == 2) Walk<float, 2>(search).follow();
-  if (search.corner_count == 3) Walk<float, 3>(search).follow();
 }
 
 }  // namespace

@@ -40,23 +40,22 @@ class Tracker::Patience {
 
 /// Of the last query.
 struct Tracker::Memory {
-  Followed followed;  // in the unit frame, of the splits of `organ`; perhaps nothing
+  Front front;  // in the unit frame, of the splits of `organ`; perhaps none
+  std::array<std::array<double, 3>, 3> origin;  // of the front: where the tip's corners were
+  std::uint32_t origin_corners = 0;
+  Eigen::Vector3d centre;         // [m] of the unit frame then
+  std::uint32_t walked_sets = 0;  // of the front, at first
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
   MeshState organ;
   double scale = 0.0;  // of the unit frame
-  double slack = 0.0;  // what is farther than the nearest by this is to be followed
   std::optional<SurfaceNormal> normal;
   TriangleId triangle;  // where it is
   Feature feature;
 };
 
 namespace {
-
-/// As many packets are followed as cost little to keep, and seldom leave too little clear.
-constexpr std::uint32_t kFewPackets = 8;
-constexpr std::uint32_t kManyPackets = 16;
 
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
@@ -93,70 +92,81 @@ class TrackedSearch : private NearestSearch<Tip> {
 
  private:
   static constexpr Accuracy kExact = {};
-  static constexpr double kSlackStep = 1.25;
-  /// Sizes of a triangle, of those that would fill the organ's box, at first.
-  static constexpr double kFirstSlack = 4.0;
+  /// In sizes of a triangle, of those that would fill the organ's box: tips that move farther are
+  /// not near where they were.
+  static constexpr double kJump = 4.0;
 
-  /// How far tip and mesh have moved towards each other at most, in the unit frame; nothing if that
-  /// is not known.
-  std::optional<double> step() const {
-    constexpr double kRoundoff = 0x1p-53;
+  /// How far the mesh, and how far mesh and tip have moved towards each other at most, in the unit
+  /// frame.
+  struct Step {
+    double of_mesh, of_both;
+  };
+  /// Nothing if that is not known.
+  std::optional<Step> step() const {
+    constexpr double kRounding = 1 + 8 * 0x1p-53;
     const std::optional<double> travel = state_.since(memory_.organ);
     if (!travel || memory_.corner_count != this->tip_.corners().size()) return std::nullopt;
     double tip_step = 0.0;
     const auto now = this->tip_.corners();
     for (std::size_t i = 0; i < now.size(); ++i)
       tip_step = std::max(tip_step, (now[i] - memory_.corners[i]).norm());
-    return (tip_step + *travel) * (1 + 8 * kRoundoff) * this->scale_;
+    return Step{*travel * kRounding * this->scale_,
+                (tip_step + *travel) * kRounding * this->scale_};
   }
 
   bool follows() const {
-    return memory_.followed.count > 0 && step_ && memory_.scale == this->scale_;
+    return memory_.front.count > 0 && step_ && memory_.scale == this->scale_ &&
+           memory_.origin_corners == this->corner_count;
   }
 
-  /// Whether the packets that are followed were enough.
+  /// Whether the front was enough.
   bool follow() {
-    constexpr double kKept = 1 - 0x1p-40;  // rounding takes less from sums of steps
-    Followed& near = memory_.followed;
-    near.drift += *step_;
-    if (!state_.hasPositionsOf(memory_.organ)) near.tied_vertex = kNoVertex;
-    if (!(near.drift < near.clear * kKept)) return false;
-    this->followed = &near;
-    kernels().follow(*this);
-    this->bounds += near.count;
-    return this->best + near.drift < near.clear * kKept;
+    Front& kept = memory_.front;
+    kept.drift += step_->of_mesh;
+    kept.way += step_->of_both;
+    if (!state_.hasPositionsOf(memory_.organ)) kept.tied_vertex = kNoVertex;
+    const bool is_worn = kept.count > memory_.walked_sets + 16;
+    if (is_worn) return false;
+    const Eigen::Vector3d moved =
+        (this->organ_.wideTree().frame().centre - memory_.centre) * this->scale_;
+    for (std::uint32_t i = 0; i < this->corner_count; ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        kept.shift[i][axis] =
+            static_cast<float>((this->corners[i][axis] - memory_.origin[i][axis]) +
+                               moved[static_cast<Eigen::Index>(axis)]);
+    this->front = &kept;
+    return kernels().follow(*this);
   }
 
-  /// Follows nothing.
+  /// Keeps nothing.
   void search() {
     startFromLast();
-    memory_.followed.count = 0;
-    this->followed = nullptr;
+    memory_.front.count = 0;
+    this->front = nullptr;
     NearestSearch<Tip>::walk();
   }
 
   /// Of a tip that is near where it was, most is farther than what was nearest.
   void startFromLast() {
-    const FarthestPairTree::Leaf last = memory_.followed.nearest;
-    if (last == kNoLeaf || !step_ || !(*step_ <= memory_.slack)) return;
+    const FarthestPairTree::Leaf last = memory_.front.nearest;
+    const double jump = kJump / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
+    if (last == kNoLeaf || !step_ || !(step_->of_both <= jump)) return;
     if (this->best_leaf == kNoLeaf) this->measure(last);
     this->dives = false;
   }
 
   void walk() {
     startFromLast();
-    Followed& near = memory_.followed;
-    this->followed = &near;
-    near.count = 0;
-    near.drift = 0.0;
-    near.clear = this->unopened = std::numeric_limits<double>::infinity();
-    if (memory_.slack == 0.0)
-      memory_.slack =
-          kFirstSlack / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
-    this->slack = memory_.slack;
+    Front& kept = memory_.front;
+    this->front = &kept;
+    kept.count = 0;
+    kept.drift = kept.way = 0.0;
+    kept.shift = {};
+    memory_.origin = this->corners;
+    memory_.origin_corners = this->corner_count;
+    memory_.centre = this->organ_.wideTree().frame().centre;
     NearestSearch<Tip>::walk();
-    if (near.count < kFewPackets) memory_.slack = std::min(memory_.slack * kSlackStep, kFar);
-    if (near.count > kManyPackets) memory_.slack /= kSlackStep;
+    memory_.walked_sets = kept.count;
   }
 
   const SurfaceNormal& normalAt(const NearestTriangle& nearest) {
@@ -177,14 +187,14 @@ class TrackedSearch : private NearestSearch<Tip> {
     const auto now = this->tip_.corners();
     std::copy(now.begin(), now.end(), memory_.corners.begin());
     memory_.corner_count = now.size();
-    memory_.followed.nearest = this->best_leaf;
+    memory_.front.nearest = this->best_leaf;
     memory_.organ = state_;
     memory_.scale = this->scale_;
   }
 
   const MeshState state_;
   Memory& memory_;
-  const std::optional<double> step_;
+  const std::optional<Step> step_;
 };
 
 }  // namespace

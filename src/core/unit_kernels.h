@@ -5,6 +5,7 @@
 #include "core/enclose.h"
 #include "core/far_points.h"
 #include "core/fill.h"
+#include "core/front_walk.h"
 #include "core/kernels.h"
 #include "core/pair_walk.h"
 #include "core/search_walk.h"

@@ -58,6 +58,19 @@ class WalkingTip {
     return squares;
   }
 
+  /// The gaps between each box and the tip, axis by axis, from the box to the tip.
+  LaneVector<Real> gapsOf(const SeenBoxes& seen) const {
+    const Lanes<Real> none{};
+    const auto gap = [&none](const Lanes<Real>& lows, const Lanes<Real>& highs, Real from,
+                             Real to) {
+      return larger(Lanes<Real>::all(from) - highs, none) -
+             larger(lows - Lanes<Real>::all(to), none);
+    };
+    return {gap(seen.low.x, seen.high.x, seen.tip_low.x, seen.tip_high.x),
+            gap(seen.low.y, seen.high.y, seen.tip_low.y, seen.tip_high.y),
+            gap(seen.low.z, seen.high.z, seen.tip_low.z, seen.tip_high.z)};
+  }
+
   /// From about the nearest point of the tip to the middle of each box.
   LaneVector<Real> wayToMiddles(const SeenBoxes& seen, const WideNode& node) const {
     const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
@@ -88,19 +101,24 @@ class WalkingTip {
     return rootOf(leastOf(dot(way, way))) * (1 + Real{kAxesShorter});
   }
 
-  /// Of a packet's triangles.
-  SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding) const {
+  /// A packet's triangles: between which distances they are, but for `rounding`; and, where `ways`
+  /// are asked for, which ways keep them apart.
+  [[gnu::always_inline]] SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding,
+                                                    Ways<Real>* ways = nullptr) const {
     Vector<Real> low, high;
     const Real farthest = boxIn(
         packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
     rounding = roundingOf(farthest, packet.radius) + rounding_of_corners_ + Real{kPlaceRounding};
     if constexpr (kIsPoint) {
-      return squaredDistanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
+      const auto range = squaredDistanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
+      if (ways != nullptr) *ways = waysTo(packet, low, range.low);
+      return range;
     } else {
       Vector<Real> tip[kCorners];
       for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(corners_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
       rounding = rounding + rounding;
+      if (ways != nullptr) *ways = {gap.way, gap.low};
       return {gap.low * gap.low, gap.high * gap.high};
     }
   }

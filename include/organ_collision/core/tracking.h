@@ -6,14 +6,14 @@
 
 namespace organ_collision::core {
 
-/// Follows one tip over one organ: each answer starts from what the last one learnt. The packets of
-/// triangles that were near are kept with lower bounds of their distances, and so is one bound for
-/// all the rest; every motion of tip and mesh lowers the bounds by its length. Only packets whose
-/// bound falls below the nearest distance are looked at again, and while that of the rest does not,
-/// the answer is exact without the tree. Where that does fall again and again, nothing is followed
+/// Follows one tip over one organ: each answer starts from what the last one learnt. Kept is the
+/// front of a search: all sets of the hierarchy that it came to but did not open, and the triangles
+/// near by, each with a plane between it and the tip, which still tells how far away it is at least
+/// when the tip has moved. Only what may be as near as the triangle that was nearest is looked at
+/// again, or opened; so the answer is exact without the way down the tree. A front that has grown
+/// too much is replaced by that of another search. Where that happens again and again, none is kept
 /// for a while: then a query is a search that knows how far away the last one's triangle is now.
-/// How often the tree is left out depends on how large triangles are for a step: `trajectory` in
-/// docs/performance.md.
+/// What it saves: `trajectory` in docs/performance.md.
 class Tracker {
  public:
   Tracker();
