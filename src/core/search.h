@@ -43,7 +43,7 @@ struct alignas(32) KeptSets {
 /// opened, which together hold all triangles, each with a bound that still holds when tip and mesh
 /// have moved.
 struct Front {
-  static constexpr std::uint32_t kMost = 96;
+  static constexpr std::uint32_t kMost = 128;
   std::array<KeptSets, kMost> kept;
   std::uint32_t count = 0;           ///< 0: there is no front
   std::uint32_t nearest = kNoLeaf;   ///< of the last query, also of one that kept no front

@@ -44,7 +44,7 @@ struct Tracker::Memory {
   std::array<std::array<double, 3>, 3> origin;  // of the front: where the tip's corners were
   std::uint32_t origin_corners = 0;
   Eigen::Vector3d centre;         // [m] of the unit frame then
-  std::uint32_t walked_sets = 0;  // of the front, at first
+  std::uint32_t fresh_count = 0;  // of the front, when it had been followed once; 0: it was not yet
   Patience patience;
   std::array<Eigen::Vector3d, 3> corners;  // [m] of the tip
   std::size_t corner_count = 0;
@@ -92,6 +92,8 @@ class TrackedSearch : private NearestSearch<Tip> {
 
  private:
   static constexpr Accuracy kExact = {};
+  /// Sets that may be opened before the front is worn: all that is kept is looked at each time.
+  static constexpr std::uint32_t kMostOpened = 16;
   /// In sizes of a triangle, of those that would fill the organ's box: tips that move farther are
   /// not near where they were.
   static constexpr double kJump = 4.0;
@@ -125,8 +127,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     kept.drift += step_->of_mesh;
     kept.way += step_->of_both;
     if (!state_.hasPositionsOf(memory_.organ)) kept.tied_vertex = kNoVertex;
-    const bool is_worn = kept.count > memory_.walked_sets + 16;
-    if (is_worn) return false;
+    if (memory_.fresh_count > 0 && kept.count > memory_.fresh_count + kMostOpened) return false;
     const Eigen::Vector3d moved =
         (this->organ_.wideTree().frame().centre - memory_.centre) * this->scale_;
     for (std::uint32_t i = 0; i < this->corner_count; ++i)
@@ -135,7 +136,9 @@ class TrackedSearch : private NearestSearch<Tip> {
             static_cast<float>((this->corners[i][axis] - memory_.origin[i][axis]) +
                                moved[static_cast<Eigen::Index>(axis)]);
     this->front = &kept;
-    return kernels().follow(*this);
+    if (!kernels().follow(*this)) return false;
+    if (memory_.fresh_count == 0) memory_.fresh_count = kept.count;
+    return true;
   }
 
   /// Keeps nothing.
@@ -165,8 +168,8 @@ class TrackedSearch : private NearestSearch<Tip> {
     memory_.origin = this->corners;
     memory_.origin_corners = this->corner_count;
     memory_.centre = this->organ_.wideTree().frame().centre;
+    memory_.fresh_count = 0;
     NearestSearch<Tip>::walk();
-    memory_.walked_sets = kept.count;
   }
 
   const SurfaceNormal& normalAt(const NearestTriangle& nearest) {

@@ -222,6 +222,17 @@ TEST(Tracker, LooksAtLessThanHalfOfTheTrianglesOfASearch) {
   EXPECT_LT(tracked.triangles, searched.triangles / 2);
 }
 
+/// Along it, no distance changes much: who lowers bounds by the length of the way looks again.
+TEST(Tracker, LooksAtAnEighthWhereTheTipGoesAlongTheSurface) {
+  const Eigen::AngleAxisd turn(1e-3, Eigen::Vector3d::UnitZ());
+  const auto [tracked, searched] =
+      lookedAt(CollisionMesh(test::blob(6)), [&](const Eigen::Vector3d& tip) {
+        return Eigen::Vector3d(turn * (0.2 * Eigen::Vector3d(tip.x(), tip.y(), 0).normalized()));
+      });
+  EXPECT_LT(tracked.triangles, searched.triangles / 8);
+  EXPECT_LT(tracked.bounds, searched.bounds / 8);
+}
+
 TEST(Tracker, LooksAtHardlyMoreThanASearchWhereTipsJump) {
   const CollisionMesh organ(test::blob(6));
   std::mt19937 generator(36);
