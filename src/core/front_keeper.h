@@ -58,12 +58,20 @@ class FrontKeeper {
   /// Of these sets of a node, by lanes.
   void keepBoxes(const WideNode& node, const WalkingTip<float, kCorners>& tip,
                  const Truth<float>& lanes, KeptSets& kept) const {
-    const LaneVector<float> gaps = tip.gapsOf(tip.boxesSeenIn(node));
-    const Lanes<float> squares = dot(gaps, gaps);
+    const auto seen = tip.boxesSeenIn(node);
+    const Lanes<float> rounding = Lanes<float>::all(tip.boxRounding());
+    LaneVector<float> away = tip.gapsOf(seen);
+    Lanes<float> distances = root(dot(away, away));
+    if constexpr (kCorners == 2) {
+      const Ways<float> ways = tip.waysToBoxesSeen(seen, node);
+      const Truth<float> is_better = distances <= ways.gaps - rounding;
+      away = select(is_better, LaneVector<float>{} - ways.ways, away);
+      distances = select(is_better, ways.gaps - rounding, distances);
+    }
+    const Lanes<float> squares = dot(away, away);
     const Lanes<float> inverse = select(Lanes<float>::all(kShortestSquare) <= squares,
                                         Lanes<float>::all(1) / root(squares), Lanes<float>{});
-    const Lanes<float> rounding = Lanes<float>::all(tip.boxRounding());
-    keep(inverse * turnedBack(node, gaps), inverse * squares - rounding, lanes, kept);
+    keep(inverse * turnedBack(node, away), distances - rounding, lanes, kept);
   }
 
   /// Of these triangles of a packet, by lanes. Where no way keeps them apart, nothing is known.

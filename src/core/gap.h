@@ -40,9 +40,9 @@ inline Lanes<Real> gapAlong(const LaneVector<Real>& direction, const LaneVector<
   return dot(direction, start - middle) + nearer_end - dot(magnitudesOf(direction), half);
 }
 
-/// A lower bound of the distances between a segment and the lanes' boxes.
+/// What keeps a segment from the lanes' boxes: a lower bound of the distances.
 template <class Real>
-inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end,
+inline Ways<Real> waysToBoxes(const Vector<Real>& start, const Vector<Real>& end,
                               const LaneVector<Real>& low, const LaneVector<Real>& high) {
   constexpr int kRounds = 2;  // from one to the other and back: more find hardly anything nearer
   const Vector<Real> along = end - start;
@@ -62,9 +62,12 @@ inline Lanes<Real> gapToBoxes(const Vector<Real>& start, const Vector<Real>& end
   }
   // Where the nearest point is inside the segment, the nearest way is square to it.
   const LaneVector<Real> square = direction - dot(direction, step) * inverse * step;
-  return larger(
-      distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction)),
-      distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square)));
+  const Lanes<Real> gap =
+      distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction));
+  const Lanes<Real> square_gap =
+      distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square));
+  return {LaneVector<Real>{} - select(gap <= square_gap, square, direction),
+          larger(gap, square_gap)};
 }
 
 /// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the

@@ -170,6 +170,8 @@ class Walk {
 /// Points are most of what is asked: all in one piece, as calls pass vectors through memory.
 [[gnu::flatten]] inline void walkFromPoint(Search& search) { Walk<float, 1>(search).run(); }
 
+[[gnu::flatten]] inline void walkFromSegment(Search& search) { Walk<float, 2>(search).run(); }
+
 /// REQUIRES: a tip that is far keeps no front.
 inline void walk(Search& search) {
   const bool is_far = !(search.farthest < kFar);
@@ -182,7 +184,7 @@ inline void walk(Search& search) {
     case 2:
       return is_far  ? Walk<double, 2>(search).run()
              : keeps ? Walk<float, 2, true>(search).run()
-                     : Walk<float, 2>(search).run();
+                     : walkFromSegment(search);
     default:
       return is_far  ? Walk<double, 3>(search).run()
              : keeps ? Walk<float, 3, true>(search).run()

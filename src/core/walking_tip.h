@@ -49,13 +49,17 @@ class WalkingTip {
   [[gnu::always_inline]] Lanes<Real> squaresOf(const SeenBoxes& seen, const WideNode& node) const {
     const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
     if constexpr (kCorners == 2) {
-      const auto end = [&](int i) { return turned(node, relative(corners_[i], node.origin)); };
       const Lanes<Real> gaps = larger(
-          gapToBoxes(end(0), end(1), seen.low, seen.high) - Lanes<Real>::all(rounding_of_boxes_),
-          Lanes<Real>{});
+          waysToBoxesSeen(seen, node).gaps - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
       return larger(squares, gaps * gaps);
     }
     return squares;
+  }
+
+  /// From a segment to the boxes, in the node's orientation; but for twice boxRounding().
+  Ways<Real> waysToBoxesSeen(const SeenBoxes& seen, const WideNode& node) const {
+    const auto end = [&](int i) { return turned(node, relative(corners_[i], node.origin)); };
+    return waysToBoxes(end(0), end(1), seen.low, seen.high);
   }
 
   /// The gaps between each box and the tip, axis by axis, from the box to the tip.

@@ -33,6 +33,9 @@ WalkingTip<float, kCorners> walkingTip(const CollisionMesh& organ, const Tip<kCo
 double distance(const Tip<1>& tip, const Triangle& triangle) {
   return std::sqrt(closestPointOnTriangle(tip[0], triangle).squared_distance);
 }
+double distance(const Tip<2>& tip, const Triangle& triangle) {
+  return std::sqrt(closestPoints({tip[0], tip[1], tip[1]}, triangle).on_second.squared_distance);
+}
 double distance(const Tip<3>& tip, const Triangle& triangle) {
   return std::sqrt(closestPoints({tip[0], tip[1], tip[2]}, triangle).on_second.squared_distance);
 }
@@ -120,6 +123,7 @@ TEST(FrontKeeper, TellsNothingToBeFartherThanItIsWhereverTheTipGoes) {
   for (const CollisionMesh& organ : test::organs()) {
     for (std::size_t i = 0; i < queryCount(500); ++i) {
       Kept(organ).hold<1>(generator);
+      Kept(organ).hold<2>(generator);
       Kept(organ).hold<3>(generator);
       ASSERT_FALSE(HasFailure());
     }
