@@ -179,18 +179,10 @@ Plainly stepPlainly(const View& view, const Products& products, Candidate& best)
     return Plainly::kUnclear;
   const double s = (both * along_right - right * along_left) / squared_normal;
   const double t = (both * along_left - left * along_right) / squared_normal;
-  const Vector3d step = s * view.to_left + t * view.to_right;
-  const Vector3d offset = view.base.offset + step;
-  const double squared_distance = squaredLength(offset);
-  if (!(squared_distance > kNearlyNothing * view.base.squared_distance)) return Plainly::kUnclear;
-  const double rest = 1 - (s + t);
-  if (!(s > 0 && t > 0 && rest > 0 && squared_distance < best.squared_distance))
-    return Plainly::kBeside;
-  best = {&view.base, step, squared_distance, Vector3d::Zero()};
-  best.barycentric[view.base.slot] = rest;
-  best.barycentric[view.left.slot] = s;
-  best.barycentric[view.right.slot] = t;
-  return Plainly::kInside;
+  const Vector3d offset = view.base.offset + (s * view.to_left + t * view.to_right);
+  if (!(squaredLength(offset) > kNearlyNothing * view.base.squared_distance))
+    return Plainly::kUnclear;
+  return stepInside(view, {s, t}, best) ? Plainly::kInside : Plainly::kBeside;
 }
 
 /// REQUIRES: of the corners of `view`, left is not farther than right.

@@ -127,7 +127,8 @@ class TrackedSearch : private NearestSearch<Tip> {
     kept.drift += step_->of_mesh;
     kept.way += step_->of_both;
     if (!state_.hasPositionsOf(memory_.organ)) kept.tied_vertex = kNoVertex;
-    if (memory_.fresh_count > 0 && kept.count > memory_.fresh_count + kMostOpened) return false;
+    const bool is_worn = memory_.fresh_count > 0 && kept.count > memory_.fresh_count + kMostOpened;
+    if (is_worn || !(kept.way < kFar)) return false;
     const Eigen::Vector3d moved =
         (this->organ_.wideTree().frame().centre - memory_.centre) * this->scale_;
     for (std::uint32_t i = 0; i < this->corner_count; ++i)

@@ -330,6 +330,20 @@ TEST(Tracker, ForgetsWhatItKnewOfAMeshThatWasMovedAndNobodySaysHowFar) {
   }
 }
 
+TEST(Tracker, FollowsOverAMeshThatMayHaveMovedBeyondSinglePrecision) {
+  std::mt19937 generator(45);
+  CollisionMesh organ(test::blob(4));
+  Tracker tracker;
+  double travel = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d tip = randomPoint(generator, sizeOf(organ));
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, travel, tip), nearestTriangle(organ, tip)));
+    organ.refit(Points(organ.mesh().positions()));
+    travel += 1e60;
+  }
+}
+
 TEST(Tracker, ForgetsTheNormalOfAnotherHierarchy) {
   const Eigen::Vector3d tip(0.2, 0.2, 1.0);
   Tracker tracker;
