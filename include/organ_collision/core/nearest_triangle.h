@@ -28,7 +28,7 @@ enum class Sign : std::uint8_t {
   kNone     ///< no normal, and no distance below 0
 };
 
-/// What a search cost; the same on every machine.
+/// What a search cost; the same on every machine. Planes that a Tracker keeps are not counted.
 struct SearchWork {
   std::uint32_t bounds = 0;     ///< boxes measured; greedy: splits decided
   std::uint32_t triangles = 0;  ///< triangles looked at
