@@ -64,9 +64,9 @@ class FrontKeeper {
     Lanes<float> distances = root(dot(away, away));
     if constexpr (kCorners == 2) {
       const Ways<float> ways = tip.waysToBoxesSeen(seen, node);
-      const Truth<float> is_better = distances <= ways.gaps - rounding;
-      away = select(is_better, LaneVector<float>{} - ways.ways, away);
-      distances = select(is_better, ways.gaps - rounding, distances);
+      const Truth<float> is_better = distances <= ways.gap - rounding;
+      away = select(is_better, LaneVector<float>{} - ways.way, away);
+      distances = select(is_better, ways.gap - rounding, distances);
     }
     const Lanes<float> squares = dot(away, away);
     const Lanes<float> inverse = select(Lanes<float>::all(kShortestSquare) <= squares,
@@ -78,9 +78,9 @@ class FrontKeeper {
   void keepTriangles(const Ways<float>& ways, float rounding, const Truth<float>& lanes,
                      KeptSets& kept) const {
     const LaneVector<float> directions =
-        Lanes<float>::all(-1) / root(dot(ways.ways, ways.ways)) * ways.ways;
-    keep(select(ways.gaps <= Lanes<float>{}, LaneVector<float>{}, directions),
-         ways.gaps - Lanes<float>::all(rounding), lanes, kept);
+        Lanes<float>::all(-1) / root(dot(ways.way, ways.way)) * ways.way;
+    keep(select(ways.gap <= Lanes<float>{}, LaneVector<float>{}, directions),
+         ways.gap - Lanes<float>::all(rounding), lanes, kept);
   }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/lane_triangles.h"
-#include "core/shortest.h"
+#include "core/ways.h"
 #include "organ_collision/core/wide_node.h"
 
 // Gaps between a tip of several corners and boxes or triangles, eight at a time.

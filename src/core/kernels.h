@@ -59,8 +59,7 @@ struct PlainBox {
 struct Kernels {
   /// Walks through the tree until nothing that waits matters, or no leaf is left to look at.
   void (*walk)(Search& search);
-  /// Looks at what of the front may be nearest now; false where so much may that it is better to
-  /// walk.
+  /// Looks at what of the front may be nearest now; false where there is no room for all of it.
   bool (*follow)(Search& search);
   /// Goes down by the splits to a leaf; false where rounding could decide one of them wrongly.
   bool (*descend)(Descent& descent);

@@ -2,7 +2,7 @@
 
 #include "core/bounds.h"
 #include "core/lane_triangles.h"
-#include "core/shortest.h"
+#include "core/ways.h"
 
 // The triangles of a packet: their boxes, and distances of points to them.
 namespace organ_collision::core {

@@ -50,7 +50,7 @@ class WalkingTip {
     const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
     if constexpr (kCorners == 2) {
       const Lanes<Real> gaps = larger(
-          waysToBoxesSeen(seen, node).gaps - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
+          waysToBoxesSeen(seen, node).gap - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
       return larger(squares, gaps * gaps);
     }
     return squares;

@@ -2,7 +2,7 @@
 
 #include "core/lane_vector.h"
 
-// The shortest of several vectors, eight at a time.
+// Ways from a tip, eight at a time: the shortest of several, and how far one keeps bodies apart.
 namespace organ_collision::core {
 namespace {
 
@@ -37,11 +37,11 @@ struct Shortest {
   }
 };
 
-/// Ways from a tip, of whatever lengths, and how far what lies there is apart from it along them.
+/// Ways from a tip, of whatever lengths, and how far what lies there is kept from it along them.
 template <class Real>
 struct Ways {
-  LaneVector<Real> ways;
-  Lanes<Real> gaps;
+  LaneVector<Real> way;
+  Lanes<Real> gap;
 };
 
 /// A gap along a direction that is `length` long times that length, as a distance.
