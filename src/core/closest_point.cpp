@@ -60,13 +60,14 @@ std::size_t nearestOf(const Corners3& corners) {
   const double a = corners[0].squared_distance;
   const double b = corners[1].squared_distance;
   const double c = corners[2].squared_distance;
-  if (a == b || b == c || c == a) {
-    const std::size_t nearer = isNearer(corners[1], corners[0]) ? 1 : 0;
-    return isNearer(corners[2], corners[nearer]) ? 2 : nearer;
-  }
   // Without a branch, as none could be foreseen.
-  const std::size_t nearer = static_cast<std::size_t>(b < a);
-  return nearer + static_cast<std::size_t>(c < std::min(a, b)) * (2 - nearer);
+  const std::size_t nearer = b < a ? 1 : 0;
+  const double least = std::min(a, b);
+  if (a == b || c == least) {
+    const std::size_t first = isNearer(corners[1], corners[0]) ? 1 : 0;
+    return isNearer(corners[2], corners[first]) ? 2 : first;
+  }
+  return c < least ? 2 : nearer;
 }
 
 /// The triangle as its nearest corner sees it: from there the way is the shortest, and so most
@@ -194,8 +195,7 @@ void considerEdges(const View& view, Candidate& best) {
 
 /// Above a well-shaped face no edge is nearer; beside it nothing inside is.
 void considerBeyondBase(const View& view, const Products& products, Candidate& best) {
-  const Plainly plainly = products.areSafe() ? stepPlainly(view, products, best)
-                                             : stepPlainly(view, inSafeUnit(view), best);
+  const Plainly plainly = stepPlainly(view, products.areSafe() ? products : inSafeUnit(view), best);
   if (plainly == Plainly::kInside) return;
   const View ordered =
       isNearer(view.left, view.right) ? view : View(view.base, view.right, view.left);
