@@ -43,6 +43,20 @@ class FrontKeeper {
     return Lanes<float>::load(kept.bound.data()) + along;
   }
 
+  /// Kept sets of which some are within reach: where in the front they are, and which, by bits.
+  struct Within {
+    std::uint32_t place, lanes;
+  };
+  /// Returns how many there are. They are listed without a branch, as none could be foreseen.
+  std::uint32_t listWithin(const Lanes<float>& allowed, Within (&within)[Front::kMost]) const {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < front_->count; ++i) {
+      within[count] = {i, (boundsOf(front_->kept[i]) <= allowed).bits()};
+      count += within[count].lanes != 0 ? 1 : 0;
+    }
+    return count;
+  }
+
   /// Room for what is in a set that is opened; null, and no front any more, where there is none.
   KeptSets* roomFor(std::uint32_t set) {
     if (front_->count == Front::kMost) {

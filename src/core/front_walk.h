@@ -23,18 +23,7 @@ class FrontWalk {
       if (search_.best_vertex != front_.tied_vertex) forgetTies();
       way_of_ties_ = static_cast<float>(front_.way * (1 + kWayRounding));
     }
-    const Lanes<float> allowed = keeper_.allowed(nearest_.reach());
-    const KeptSets* end = front_.kept.data() + front_.count;
-    for (KeptSets* kept = front_.kept.data(); kept != end; ++kept) {
-      const std::uint32_t lanes = (keeper_.boundsOf(*kept) <= allowed).bits();
-      if (lanes == 0) continue;
-      if ((kept->opened & kPacketBit) != 0) {
-        lookAtTriangles(lanes, *kept);
-      } else if (!lookAtSets(allowed, *kept)) {
-        return false;
-      }
-      end = front_.kept.data() + front_.count;  // what was opened comes last
-    }
+    if (!lookAtAllWithin(keeper_.allowed(nearest_.reach()))) return false;
     nearest_.finish();
     if (search_.best_leaf != front_.nearest) front_.tied_vertex = kNoVertex;
     return true;
@@ -43,6 +32,25 @@ class FrontWalk {
  private:
   static constexpr float kNotTied = -1.0F;
   static constexpr double kWayRounding = 4 * kRoundoff<float>;
+
+  bool lookAtAllWithin(const Lanes<float>& allowed) {
+    const std::uint32_t followed = front_.count;
+    typename FrontKeeper<kCorners>::Within within[Front::kMost];
+    const std::uint32_t count = keeper_.listWithin(allowed, within);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      KeptSets& kept = front_.kept[within[i].place];
+      if (isPacket(kept)) {
+        lookAtTriangles(within[i].lanes, kept);
+      } else if (!lookAtSets(allowed, kept)) {
+        return false;
+      }
+    }
+    for (std::uint32_t i = followed; i < front_.count; ++i)  // what was opened comes last
+      if (!isPacket(front_.kept[i]) && !lookAtSets(allowed, front_.kept[i])) return false;
+    return true;
+  }
+
+  static bool isPacket(const KeptSets& kept) { return (kept.opened & kPacketBit) != 0; }
 
   /// Boxes that seemed to be within reach, from where the tip was when they were looked at, may be
   /// seen to be farther now. The others are opened; false where there is no room.
@@ -67,9 +75,8 @@ class FrontWalk {
       Lanes<float>::all(kNotTied).store(kept->tied_until.data());
       scan(search_.packets[set & ~kPacketBit], *kept);
     } else {
-      const WideNode& node = search_.nodes[set];
-      search_.bounds += node.lane_count;
-      keeper_.keepBoxes(node, nearest_.tip(), lanesOf((1U << node.lane_count) - 1), *kept);
+      const Truth<float> used = lanesOf((1U << search_.nodes[set].lane_count) - 1);
+      select(used, Lanes<float>{}, infinite<float>()).store(kept->bound.data());
     }
     return true;
   }
