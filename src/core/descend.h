@@ -41,12 +41,17 @@ inline Choice chosenSet(const SplitPaths& paths, std::uint32_t first, std::uint3
 }
 
 /// The differences of the squared distances from the poles, as the planes between them tell.
-inline Lanes<float> sidesOf(const Descent& descent, const NodeSplits& node) {
-  const Vector<float> tip = vectorOf<float>(descent.tip);
+inline Lanes<float> sidesOf(const Vector<float>& tip, const NodeSplits& node) {
   const LaneVector<float> apart = load<float>(node.apart);
   const LaneVector<float> twice = everywhere(tip + tip);
   return (twice.x * apart.x + twice.y * apart.y) +
          (twice.z * apart.z - Lanes<float>::load(node.middle.data()));
+}
+
+/// The node, or kPacketBit and the packet, that they lead to: the paper's way, but for rounding.
+inline std::uint32_t setTowards(const Vector<float>& tip, const NodeSplits& node) {
+  const std::uint32_t set = node.sets[chosenSet(node.paths, 0, signsOf(sidesOf(tip, node))).set];
+  return (set & kPacketBit) == 0 ? set : kPacketBit | (set & ~kPacketBit) / kLaneCount;
 }
 
 /// Those of them, by bits, that no node's rounding turns.
@@ -91,7 +96,7 @@ inline ProvenSides sidesOf(const Descent& descent, const PacketSplits& packet) {
 inline bool descend(Descent& descent) {
   for (std::uint32_t node_number = descent.node;;) {
     const NodeSplits& node = descent.nodes[node_number];
-    const Lanes<float> sides = sidesOf(descent, node);
+    const Lanes<float> sides = sidesOf(vectorOf<float>(descent.tip), node);
     const Choice below = chosenSet(node.paths, 0, signsOf(sides));
     if (!below.isSure(clearSides(descent, sides))) {  // seldom
       descent.node = node_number;

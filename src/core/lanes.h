@@ -338,6 +338,13 @@ inline Truth<float> lanesOf(std::uint32_t bits) {
   return lanes;
 }
 
+/// One lane.
+template <class Real>
+inline Truth<Real> only(std::uint32_t lane) {
+  const Lanes<Real> others = Lanes<Real>::numbers() - Lanes<Real>::all(static_cast<Real>(lane));
+  return magnitudeOf(others) <= Lanes<Real>{};
+}
+
 /// Those that are below zero, by bits; -0 too.
 inline std::uint32_t signsOf(const Lanes<float>& lanes) {
   Truth<float> signs;

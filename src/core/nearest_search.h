@@ -78,6 +78,7 @@ class NearestSearch : protected Search {
       : organ_(organ), tip_(tip), accuracy_(accuracy), scale_(organ.wideTree().frame().scale) {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
+    splits = tree.guide().nodes.data();
     packets = tree.packets().data();
     leaf_corners = tree.corners().data();
     fetches = tree.packets().size() > kUncachedPackets;

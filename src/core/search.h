@@ -14,10 +14,10 @@ constexpr double kFar = 8.0;
 constexpr VertexId kNoVertex{~0U};
 constexpr std::uint32_t kNoLeaf = ~0U;
 
-/// A node on the way down to the first packet, and what it holds besides.
-struct alignas(32) PassedNode {
-  LaneFloats squares;  ///< of the lanes' bounds; infinite where it went on
-  const WideNode* node;
+/// A node on the way down to the first packet.
+struct PassedNode {
+  std::uint32_t node;
+  std::uint32_t lane;  ///< where it went on
 };
 
 /// Room for the sets that wait while a tree is searched: as many as it has, and kLaneCount more.
@@ -56,6 +56,7 @@ struct Front {
 /// One search: what it is given, what it knows, what it has found. Lengths in the unit frame.
 struct Search {
   const WideNode* nodes;
+  const NodeSplits* splits;  ///< of the nodes
   const TrianglePacket* packets;
   const Corners* leaf_corners;  ///< of their triangles, by leaf
   bool fetches;  ///< they are so many that it is worth while to fetch early what will be read

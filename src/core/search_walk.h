@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/descend.h"
 #include "core/front_keeper.h"
 #include "core/frontier.h"
 #include "core/nearest_so_far.h"
@@ -25,13 +26,10 @@ class Walk {
   }
 
   void run() {
-    constexpr std::uint32_t kRoot = 0;
     Frontier frontier(search_.room);
     if (search_.dives) {
-      for (const PassedNode* node = dive(kRoot); node-- != search_.room.passed;) {
-        const Lanes<Real> squares = Lanes<Real>::load(node->squares.data());
-        const std::uint32_t matter = put(*node->node, squares, frontier);
-        keep(*node->node, matter | (infinite<Real>() <= squares).bits());
+      for (const PassedNode* passed = dive(); passed-- != search_.room.passed;) {
+        openBeside(*passed, frontier);
         if (search_.sparing) lookAll(frontier);  // few leaves are for what is beside the first
       }
     } else {
@@ -43,35 +41,37 @@ class Walk {
   }
 
  private:
+  static constexpr std::uint32_t kRoot = 0;
+
   void leaveOutBoxes() {
     nearest_.leaveOut(rootOf(leastOf(boxes_left_out_)) *
                       (1 - 4 * kRoundoff<Real>)-nearest_.tip().boxRounding());
   }
 
-  /// Goes down to a packet that is as near as can be told on the way, so that of the rest little
-  /// matters. Returns the end of what was passed by.
-  const PassedNode* dive(std::uint32_t set) {
-    // Many boxes may hold the tip: of those the middles tell.
-    const Lanes<Real> weight = Lanes<Real>::all(Real{0x1p-3});
-    const WideNode* const nodes = search_.nodes;
+  /// Goes down to a packet the way of the paper's search, none of whose turns is proven, so that of
+  /// the rest little matters. Returns the end of what was passed by.
+  const PassedNode* dive() {
+    const Vector<float> middle = nearest_.tip().middle();
     PassedNode* passed = search_.room.passed;
+    std::uint32_t set = kRoot;
     while ((set & kPacketBit) == 0) {
-      const WideNode& node = nodes[set];
-      search_.bounds += node.lane_count;
-      const auto seen = nearest_.tip().boxesSeenIn(node);
-      const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
-      const LaneVector<Real> way = nearest_.tip().wayToMiddles(seen, node);
-      const std::uint32_t lane =
-          laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
-      inFloats(squares).store(passed->squares.data());
-      passed->squares[lane] = kFloatInfinity;
-      passed->node = &node;
-      ++passed;
-      set = setIn(node, lane);
+      const std::uint32_t next = setTowards(middle, search_.splits[set]);
+      *passed++ = {set, laneOf(search_.nodes[set], next)};
+      set = next;
     }
     lookAt(set & ~kPacketBit);
     nearest_.decide();
     return passed;
+  }
+
+  /// Opens a node but for the set that the way down led to.
+  void openBeside(const PassedNode& passed, Frontier& frontier) {
+    const WideNode& node = search_.nodes[passed.node];
+    search_.bounds += node.lane_count;
+    const Lanes<Real> squares = nearest_.tip().squaresOf(nearest_.tip().boxesSeenIn(node), node);
+    const std::uint32_t matter =
+        put(node, select(only<Real>(passed.lane), infinite<Real>(), squares), frontier);
+    keep(node, matter | 1U << passed.lane);
   }
 
   /// Looks at all that waits.

@@ -29,6 +29,14 @@ class WalkingTip {
                                     kCorners == 2 ? root.radius : 0.0F);
   }
 
+  /// Where the paper's search is routed to, as far as single precision tells.
+  Vector<float> middle() const {
+    Vector<Real> sum = corners_[0];
+    for (std::uint32_t i = 1; i < kCorners; ++i) sum = sum + corners_[i];
+    const auto share = [](Real x) { return static_cast<float>(x) / kCorners; };
+    return {share(sum.x), share(sum.y), share(sum.z)};
+  }
+
   /// Of the distance to any box.
   Real boxRounding() const { return rounding_of_boxes_; }
 
