@@ -57,17 +57,8 @@ Corners3 cornersSeenFrom(const Vector3d& query, const Triangle& triangle) {
 }
 
 std::size_t nearestOf(const Corners3& corners) {
-  const double a = corners[0].squared_distance;
-  const double b = corners[1].squared_distance;
-  const double c = corners[2].squared_distance;
-  // Without a branch, as none could be foreseen.
-  const std::size_t nearer = b < a ? 1 : 0;
-  const double least = std::min(a, b);
-  if (a == b || c == least) {
-    const std::size_t first = isNearer(corners[1], corners[0]) ? 1 : 0;
-    return isNearer(corners[2], corners[first]) ? 2 : first;
-  }
-  return c < least ? 2 : nearer;
+  const std::size_t nearer = isNearer(corners[1], corners[0]) ? 1 : 0;
+  return isNearer(corners[2], corners[nearer]) ? 2 : nearer;
 }
 
 /// The triangle as its nearest corner sees it: from there the way is the shortest, and so most
