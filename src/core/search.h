@@ -15,7 +15,8 @@ constexpr VertexId kNoVertex{~0U};
 constexpr std::uint32_t kNoLeaf = ~0U;
 
 /// A node on the way down to the first packet.
-struct PassedNode {
+struct alignas(32) PassedNode {
+  LaneFloats squares;  ///< of the bounds of its sets; infinite where it went on
   std::uint32_t node;
   std::uint32_t lane;  ///< where it went on
 };

@@ -56,7 +56,14 @@ class Walk {
     std::uint32_t set = kRoot;
     while ((set & kPacketBit) == 0) {
       const std::uint32_t next = setTowards(middle, search_.splits[set]);
-      *passed++ = {set, laneOf(search_.nodes[set], next)};
+      const WideNode& node = search_.nodes[set];
+      search_.bounds += node.lane_count;
+      const std::uint32_t lane = laneOf(node, next);
+      const Lanes<Real> squares = nearest_.tip().squaresOf(nearest_.tip().boxesSeenIn(node), node);
+      inFloats(select(only<Real>(lane), infinite<Real>(), squares)).store(passed->squares.data());
+      passed->node = set;
+      passed->lane = lane;
+      ++passed;
       set = next;
     }
     lookAt(set & ~kPacketBit);
@@ -67,10 +74,7 @@ class Walk {
   /// Opens a node but for the set that the way down led to.
   void openBeside(const PassedNode& passed, Frontier& frontier) {
     const WideNode& node = search_.nodes[passed.node];
-    search_.bounds += node.lane_count;
-    const Lanes<Real> squares = nearest_.tip().squaresOf(nearest_.tip().boxesSeenIn(node), node);
-    const std::uint32_t matter =
-        put(node, select(only<Real>(passed.lane), infinite<Real>(), squares), frontier);
+    const std::uint32_t matter = put(node, Lanes<Real>::load(passed.squares.data()), frontier);
     keep(node, matter | 1U << passed.lane);
   }
 
