@@ -7,12 +7,33 @@
 namespace organ_collision::core {
 namespace {
 
+using Keys __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
+
+constexpr Keys kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr std::int32_t kLaneBits = 7;
+
 /// Lower bounds in single precision.
 inline Lanes<float> inFloats(const Lanes<float>& bounds) { return bounds; }
 inline Lanes<float> inFloats(const Lanes<double>& bounds) {
   float values[kLanes];
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) values[lane] = inFloat(bounds[lane]);
   return Lanes<float>::copy(values);
+}
+
+/// The lane of the least of the first `count` numbers. Those that differ by less than a millionth
+/// may tie. REQUIRES: none is negative.
+inline std::uint32_t laneOfLeast(const Lanes<float>& numbers, std::uint32_t count) {
+  using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
+  Keys keys;  // in an order that integers keep, with the lanes' numbers in the last bits
+  __builtin_memcpy(&keys, numbers.part, sizeof(keys));
+  keys = (keys & ~kLaneBits) | kLaneNumbers;
+  keys = kLaneNumbers < static_cast<std::int32_t>(count) ? keys : -1 - Keys{};
+  auto least = reinterpret_cast<Unsigned>(keys);
+  const auto fold = [&least](const Unsigned& others) { least = least < others ? least : others; };
+  fold(__builtin_shufflevector(least, least, 4, 5, 6, 7, 0, 1, 2, 3));
+  fold(__builtin_shufflevector(least, least, 2, 3, 0, 1, 6, 7, 4, 5));
+  fold(__builtin_shufflevector(least, least, 1, 0, 3, 2, 5, 4, 7, 6));
+  return least[0] & kLaneBits;
 }
 
 /// Which lanes some bits choose: their numbers, three bits each, the first in the lowest bits;
@@ -31,9 +52,9 @@ alignas(64) constexpr std::array<std::uint32_t, 256> kChosenLanes = chosenLanes(
 
 /// Writes `first` plus each chosen lane's number, and room for as many as there are lanes.
 inline void writeNumbers(std::uint32_t chosen, std::uint32_t first, std::uint32_t* numbers) {
-  using Numbers __attribute__((vector_size(kLanes * sizeof(std::uint32_t)))) = std::uint32_t;
-  const Numbers lanes = (Numbers{} + chosen) >> Numbers{0, 3, 6, 9, 12, 15, 18, 21};
-  const Numbers written = (lanes & 7U) + first;
+  using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
+  const Unsigned lanes = (Unsigned{} + chosen) >> Unsigned{0, 3, 6, 9, 12, 15, 18, 21};
+  const Unsigned written = (lanes & static_cast<std::uint32_t>(kLaneBits)) + first;
   __builtin_memcpy(numbers, &written, sizeof(written));
 }
 

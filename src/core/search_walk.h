@@ -41,6 +41,7 @@ class Walk {
   }
 
  private:
+  using SeenBoxes = typename WalkingTip<Real, kCorners>::SeenBoxes;
   static constexpr std::uint32_t kRoot = 0;
 
   void leaveOutBoxes() {
@@ -49,26 +50,37 @@ class Walk {
   }
 
   /// Goes down to a packet the way of the paper's search, none of whose turns is proven, so that of
-  /// the rest little matters. Returns the end of what was passed by.
+  /// the rest little matters; where that search came already, to nearest boxes. The boxes are
+  /// measured on the way, where little else is to do. Returns the end of what was passed by.
   const PassedNode* dive() {
     const Vector<float> middle = nearest_.tip().middle();
     PassedNode* passed = search_.room.passed;
     std::uint32_t set = kRoot;
     while ((set & kPacketBit) == 0) {
-      const std::uint32_t next = setTowards(middle, search_.splits[set]);
+      std::uint32_t next = setTowards(middle, search_.splits[set]);  // first: the rest waits for it
       const WideNode& node = search_.nodes[set];
-      search_.bounds += node.lane_count;
+      const auto seen = nearest_.tip().boxesSeenIn(node);
+      const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
+      if (search_.sparing) next = setIn(node, nearestLane(node, seen, squares));
       const std::uint32_t lane = laneOf(node, next);
-      const Lanes<Real> squares = nearest_.tip().squaresOf(nearest_.tip().boxesSeenIn(node), node);
       inFloats(select(only<Real>(lane), infinite<Real>(), squares)).store(passed->squares.data());
       passed->node = set;
       passed->lane = lane;
       ++passed;
+      search_.bounds += node.lane_count;
       set = next;
     }
     lookAt(set & ~kPacketBit);
     nearest_.decide();
     return passed;
+  }
+
+  /// Many boxes may hold the tip: of those the middles tell.
+  std::uint32_t nearestLane(const WideNode& node, const SeenBoxes& seen,
+                            const Lanes<Real>& squares) const {
+    const Lanes<Real> weight = Lanes<Real>::all(Real{0x1p-3});
+    const LaneVector<Real> way = nearest_.tip().wayToMiddles(seen, node);
+    return laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
   }
 
   /// Opens a node but for the set that the way down led to.

@@ -210,6 +210,14 @@ TEST_F(SetsThatWait, AreTakenTheNearestFirstAndDroppedWhereTheyAreTooFar) {
   EXPECT_EQ(frontier_.packetCount(), 0U);
 }
 
+TEST(LeastLane, IsOneOfThoseInUse) {
+  const Lanes<float> falling = Lanes<float>::all(7) - Lanes<float>::numbers();
+  for (std::uint32_t count = 1; count <= kLaneCount; ++count)
+    EXPECT_EQ(laneOfLeast(falling, count), count - 1);
+  EXPECT_EQ(laneOfLeast(Lanes<float>::numbers(), kLaneCount), 0U);
+  EXPECT_EQ(laneOfLeast(Lanes<float>::all(kFloatInfinity), 3), 0U);
+}
+
 TEST(LowerBounds, AreNoLargerInSinglePrecision) {
   const Lanes<double> bounds = Lanes<double>::numbers() * Lanes<double>::all(0.1);
   const Lanes<float> lower = inFloats(bounds);
