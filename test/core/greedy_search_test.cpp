@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "brute_force.h"
+#include "core/descend.h"
 #include "core/kernels.h"
 #include "every_vector_unit.h"
 #include "organs_and_tips.h"
@@ -75,6 +76,25 @@ TEST_P(GreedySearch, IsSeldomInDoubt) {
     ASSERT_EQ(descent.leaf, test::greedyPath(organ.tree(), organ.mesh(), tip).first);
   }
   EXPECT_GT(sure, count * 98 / 100) << sure;
+}
+
+/// Exact searches go down the same way, whose turns they do not prove.
+TEST_P(GreedySearch, LeadsToThePacketThatTheSplitsOfNodesLeadTo) {
+  std::mt19937 generator(11);
+  const CollisionMesh organ(test::blob(5));
+  const WideTree& tree = organ.wideTree();
+  const std::size_t count = std::max<std::size_t>(1000, queryCount(1000));
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d tip = test::randomPoint(generator, 2.0);
+    const Eigen::Vector3f place = tree.frame()(tip).cast<float>();
+    std::uint32_t set = 0;
+    while ((set & kPacketBit) == 0)
+      set = setTowards({place.x(), place.y(), place.z()}, tree.guide().nodes[set]);
+    const TrianglePacket& packet = tree.packets()[set & ~kPacketBit];
+    found += greedySearch(organ, tip).end - packet.first_leaf < packet.lane_count ? 1 : 0;
+  }
+  EXPECT_GT(found, count * 98 / 100) << found;
 }
 
 TEST_P(GreedySearch, FollowsTheTrianglesThroughRefits) {

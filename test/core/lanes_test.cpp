@@ -122,6 +122,11 @@ TYPED_TEST(LanesOf, AreComparedOneByOne) {
     EXPECT_EQ(chosen[i], i < 3 ? TypeParam{1} : this->some(i));
 }
 
+TYPED_TEST(LanesOf, AreNamedByTheirNumbers) {
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+    EXPECT_EQ(only<TypeParam>(lane).bits(), 1U << lane);
+}
+
 TEST(Lanes, AreChosenByTheirNumbers) {
   const Lanes<float> lanes = Lanes<float>::numbers() - Lanes<float>::all(2.5F);
   constexpr std::uint32_t kNumbers = 05742013U;  // in octal, the first one last
@@ -179,6 +184,12 @@ TEST_F(SetsThatWait, AreThoseOfTheLanesThatAreAdded) {
     EXPECT_EQ(frontier.nodeCount(), node);
     EXPECT_EQ(frontier.packetCount(), packets);
   }
+}
+
+TEST_F(SetsThatWait, AreInTheLanesThatTheyAreFoundIn) {
+  const WideNode node = nodeOf(100, 3, 200);
+  for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
+    EXPECT_EQ(laneOf(node, setIn(node, lane)), lane);
 }
 
 TEST_F(SetsThatWait, FollowThoseOfNodesBefore) {
