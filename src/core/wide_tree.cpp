@@ -2,11 +2,11 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <climits>
 #include <cmath>
@@ -189,34 +189,51 @@ WideTree::Range WideTree::packetsOf(const Range& nodes) const {
   return {nodes_[nodes.begin].first_packet, last.first_packet + last.lane_count - last.node_count};
 }
 
-/// First what is below some nodes of one level, side by side; then the rest above.
+/// Side by side what is below some nodes of one level, each node above as soon as that is done;
+/// then the rest.
 void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
   placeAll(mesh);
-  std::size_t level = 0;
-  const auto end_of = [this](std::size_t number) {
-    return number + 1 < levels_.size() ? levels_[number + 1] : nodes_.size();
-  };
   const std::size_t wanted = std::min(kTasks, packets_.size() / kPacketGrain);
-  while (level + 1 < levels_.size() && end_of(level) - levels_[level] < wanted) ++level;
-  const std::size_t begin = levels_[level];
-  const std::size_t end = end_of(level);
-  const std::size_t grain = 1 + (end - begin) / (2 * wanted + 1);
-  // In the same parts each time, so that sums round the same way.
-  tally_ = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(begin, end, grain), HealthTally(),
-      [&](const auto& some, HealthTally tally) {
-        tally.add(fitBelow(
-            mesh,
-            {static_cast<std::uint32_t>(some.begin()), static_cast<std::uint32_t>(some.end())},
-            fit));
-        return tally;
-      },
-      [](HealthTally first, const HealthTally& second) {
-        first.add(second);
-        return first;
-      });
-  tally_.add(fill(mesh, {0, nodes_[begin].first_packet}));
-  enclose({0, static_cast<std::uint32_t>(begin)}, fit);
+  std::size_t level = 0;
+  while (level + 1 < levels_.size() && nodesOn(level).size() < wanted) ++level;
+  if (level == 0) {
+    tally_ = fitBelow(mesh, nodesOn(0), fit);
+    return;
+  }
+  const std::size_t grain = 1 + nodesOn(level).size() / (2 * wanted + 1);
+  const Range above = nodesOn(level - 1);
+  std::vector<HealthTally> tallies(above.size());  // sums are to round the same each time
+  forEachAlone(tallies.size(), [&](std::size_t i) {
+    tallies[i] = fitWith(mesh, above.begin + static_cast<std::uint32_t>(i), grain, fit);
+  });
+  tally_ = fill(mesh, {0, nodes_[above.begin].first_packet});
+  for (const HealthTally& tally : tallies) tally_.add(tally);
+  enclose({0, above.begin}, fit);
+}
+
+/// A node and, side by side, all that is below its children, so many of them at a time.
+HealthTally WideTree::fitWith(const TriangleMesh& mesh, std::uint32_t node, std::size_t grain,
+                              Fit fit) {
+  const Range self = {node, node + 1};
+  const Range children = childrenOf(self);
+  std::array<HealthTally, kLaneCount> tallies;
+  const std::size_t tasks = (children.size() + grain - 1) / grain;
+  forEachAlone(tasks, [&](std::size_t i) {
+    const auto begin = static_cast<std::uint32_t>(children.begin + i * grain);
+    const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(begin + grain, children.end));
+    tallies[i] = fitBelow(mesh, {begin, end}, fit);
+  });
+  HealthTally tally = fill(mesh, packetsOf(self));
+  for (std::size_t i = 0; i < tasks; ++i) tally.add(tallies[i]);
+  enclose(self, fit);
+  return tally;
+}
+
+WideTree::Range WideTree::nodesOn(std::size_t level) const {
+  const auto begin = [this](std::size_t number) {
+    return static_cast<std::uint32_t>(number < levels_.size() ? levels_[number] : nodes_.size());
+  };
+  return {begin(level), begin(level + 1)};
 }
 
 /// Neighbours of one level and all that is below them. Returns what the triangles add to the

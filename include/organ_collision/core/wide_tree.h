@@ -77,8 +77,10 @@ class WideTree {
  private:
   struct Range {
     std::uint32_t begin, end;
+    std::uint32_t size() const { return end - begin; }
   };
 
+  Range nodesOn(std::size_t level) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
   Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
@@ -87,6 +89,7 @@ class WideTree {
   void fitAll(const TriangleMesh& mesh, Fit fit);
   void placeAll(const TriangleMesh& mesh);
   void place(const TriangleMesh& mesh, std::size_t begin, std::size_t end);
+  HealthTally fitWith(const TriangleMesh& mesh, std::uint32_t node, std::size_t grain, Fit fit);
   HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
   HealthTally fill(const TriangleMesh& mesh, const Range& packets);
   std::size_t keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
