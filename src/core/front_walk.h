@@ -33,6 +33,7 @@ class FrontWalk {
   static constexpr float kNotTied = -1.0F;
   static constexpr double kWayRounding = 4 * kRoundoff<float>;
 
+  /// At what is within reach; false where there is no room for what has to be opened.
   bool lookAtAllWithin(const Lanes<float>& allowed) {
     const std::uint32_t followed = front_.count;
     typename FrontKeeper<kCorners>::Within within[Front::kMost];

@@ -108,9 +108,9 @@ class NearestSearch : protected Search {
 
   NearestTriangle run() {
     if (accuracy_.max_leaves != 0) {
-      const auto [leaf, splits] = greedySearch(organ_, tip_.routingPoint());
-      measure(leaf);
-      bounds += splits;
+      const GreedyPath greedy = greedySearch(organ_, tip_.routingPoint());
+      measure(greedy.end);
+      bounds += greedy.splits;
       --leaves_left;
       ++triangles;
     }
