@@ -339,10 +339,9 @@ inline Truth<float> lanesOf(std::uint32_t bits) {
 }
 
 /// One lane.
-template <class Real>
-inline Truth<Real> only(std::uint32_t lane) {
-  const Lanes<Real> others = Lanes<Real>::numbers() - Lanes<Real>::all(static_cast<Real>(lane));
-  return magnitudeOf(others) <= Lanes<Real>{};
+inline Truth<float> only(std::uint32_t lane) {
+  const Lanes<float> others = Lanes<float>::numbers() - Lanes<float>::all(static_cast<float>(lane));
+  return magnitudeOf(others) <= Lanes<float>{};
 }
 
 /// Those that are below zero, by bits; -0 too.

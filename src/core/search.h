@@ -18,7 +18,6 @@ constexpr std::uint32_t kNoLeaf = ~0U;
 struct alignas(32) PassedNode {
   LaneFloats squares;  ///< of the bounds of its sets; infinite where it went on
   std::uint32_t node;
-  std::uint32_t lane;  ///< where it went on
 };
 
 /// Room for the sets that wait while a tree is searched: as many as it has, and kLaneCount more.

@@ -62,10 +62,9 @@ class Walk {
       const auto seen = nearest_.tip().boxesSeenIn(node);
       const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
       if (search_.sparing) next = setIn(node, nearestLane(node, seen, squares));
-      const std::uint32_t lane = laneOf(node, next);
-      inFloats(select(only<Real>(lane), infinite<Real>(), squares)).store(passed->squares.data());
+      select(only(laneOf(node, next)), infinite<float>(), inFloats(squares))
+          .store(passed->squares.data());
       passed->node = set;
-      passed->lane = lane;
       ++passed;
       search_.bounds += node.lane_count;
       set = next;
@@ -86,8 +85,8 @@ class Walk {
   /// Opens a node but for the set that the way down led to.
   void openBeside(const PassedNode& passed, Frontier& frontier) {
     const WideNode& node = search_.nodes[passed.node];
-    const std::uint32_t matter = put(node, Lanes<Real>::load(passed.squares.data()), frontier);
-    keep(node, matter | 1U << passed.lane);
+    const Lanes<Real> squares = Lanes<Real>::load(passed.squares.data());
+    keep(node, put(node, squares, frontier) | (infinite<Real>() <= squares).bits());
   }
 
   /// Looks at all that waits.
