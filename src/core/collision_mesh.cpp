@@ -125,7 +125,7 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     refitAll(box);
     return;
   }
-  wide_tree_.refit(mesh_, moved, touched);
+  wide_tree_.refit(mesh_, touched);
   if (isPerhapsFlat()) {
     refitAll(box);
     return;

@@ -127,33 +127,5 @@ inline bool descend(Descent& descent) {
   }
 }
 
-/// Eight centroids that are anywhere, by their slots.
-inline LaneVector<float> centroidsIn(const PacketSplits* packets,
-                                     const std::array<std::uint32_t, kLaneCount>& slots) {
-  alignas(kVectorBytes) LanePoints rows;
-  for (std::uint32_t i = 0; i < kLaneCount; ++i) {
-    const LanePoints& centroids = packets[slots[i] / kLaneCount].centroids;
-    for (std::uint32_t axis = 0; axis < 3; ++axis)
-      rows[axis][i] = centroids[axis][slots[i] % kLaneCount];
-  }
-  return load<float>(rows);
-}
-
-/// Takes over where the poles of `count` nodes' splits are.
-inline void placeSplits(const PacketSplits* packets, const Poles* poles, std::size_t count,
-                        NodeSplits* nodes) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const LaneVector<float> first = centroidsIn(packets, poles[i][0]);
-    const LaneVector<float> second = centroidsIn(packets, poles[i][1]);
-    const Vector<float> origin = laneOf(first, 0);
-    const LaneVector<float> apart = second - first;
-    store(apart, nodes[i].apart);
-    dot(apart, first + second).store(nodes[i].middle.data());
-    nodes[i].origin = {origin.x, origin.y, origin.z};
-    nodes[i].radius =
-        mostOf(larger(reachOf(first - everywhere(origin)), reachOf(second - everywhere(origin))));
-  }
-}
-
 }  // namespace
 }  // namespace organ_collision::core

@@ -4,7 +4,7 @@
 #include "core/kernels.h"
 #include "core/lane_triangles.h"
 
-// Boxes of wide nodes, for whichever vector unit includes it.
+// Boxes and splits of wide nodes, for whichever vector unit includes it.
 //
 // Rounding: with r the node's radius and u the unit roundoff, moving a point to the node's origin
 // and turning it, be it in two steps, is off by less than 32*u*r; axes turn back by their
@@ -151,7 +151,8 @@ inline void addBoxes(const PlainTree& tree, std::uint32_t self, SetBoxes& boxes)
   }
 }
 
-inline void encloseOne(const PlainTree& tree, std::uint32_t self, Fit fit) {
+/// Places the origin and the boxes of a node.
+inline void placeBoxes(const PlainTree& tree, std::uint32_t self, Fit fit) {
   WideNode& node = tree.nodes[self];
   node.origin = node.node_count > 0 ? tree.nodes[node.first_node].origin
                                     : tree.packets[node.first_packet].origin;
@@ -183,8 +184,38 @@ inline void encloseOne(const PlainTree& tree, std::uint32_t self, Fit fit) {
   (high.z + rounding).store(&node.high[2][0]);
 }
 
+/// Eight centroids that are anywhere, by their slots.
+inline LaneVector<float> centroidsIn(const PacketSplits* packets,
+                                     const std::array<std::uint32_t, kLaneCount>& slots) {
+  alignas(kVectorBytes) LanePoints rows;
+  for (std::uint32_t i = 0; i < kLaneCount; ++i) {
+    const LanePoints& centroids = packets[slots[i] / kLaneCount].centroids;
+    for (std::uint32_t axis = 0; axis < 3; ++axis)
+      rows[axis][i] = centroids[axis][slots[i] % kLaneCount];
+  }
+  return load<float>(rows);
+}
+
+/// Takes over where the poles of a node's splits are.
+inline void placeSplits(const PlainTree& tree, std::uint32_t self) {
+  NodeSplits& node = tree.node_splits[self];
+  const LaneVector<float> first = centroidsIn(tree.packet_splits, tree.poles[self][0]);
+  const LaneVector<float> second = centroidsIn(tree.packet_splits, tree.poles[self][1]);
+  const Vector<float> origin = laneOf(first, 0);
+  const LaneVector<float> apart = second - first;
+  store(apart, node.apart);
+  dot(apart, first + second).store(node.middle.data());
+  node.origin = {origin.x, origin.y, origin.z};
+  node.radius =
+      mostOf(larger(reachOf(first - everywhere(origin)), reachOf(second - everywhere(origin))));
+}
+
 inline void enclose(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit) {
-  while (end > begin) encloseOne(tree, --end, fit);
+  while (end > begin) {
+    --end;
+    placeBoxes(tree, end, fit);
+    placeSplits(tree, end);
+  }
 }
 
 }  // namespace

@@ -4,44 +4,45 @@
 #include "core/kernels.h"
 #include "core/lane_vector.h"
 
-// Places of vertices, and packets of triangles, for whichever vector unit includes it.
+// Packets of triangles, for whichever vector unit includes it.
 namespace organ_collision::core {
 namespace {
 
-inline void place(const double* positions, std::size_t count, const PlainUnitFrame& frame,
-                  VertexPlace* places) {
-  const std::array<double, 3>& centre = frame.centre;
+/// Of as many as a node's packets can have.
+using VertexPlaces = std::array<VertexPlace, std::size_t{3} * kLaneCount * kLaneCount>;
+
+/// Rounds some vertices to their places.
+inline void place(const PlainMesh& mesh, const VertexId* begin, const VertexId* end,
+                  VertexPlaces& places) {
+  const auto& [centre, scale] = mesh.frame;
+  VertexPlace* place = places.data();
 #if defined(__AVX__)
   using Four __attribute__((vector_size(32))) = double;
   using Mask __attribute__((vector_size(32))) = long long;
   using Rounded __attribute__((vector_size(16))) = float;
   const Four middle = {centre[0], centre[1], centre[2], 0.0};
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const VertexId* vertex = begin; vertex != end; ++vertex, ++place) {
     const Four position = __builtin_ia32_maskloadpd256(  // of the fourth, memory may have none
-        reinterpret_cast<const Four*>(positions + 3 * i), Mask{-1, -1, -1, 0});
-    *reinterpret_cast<Rounded*>(places + i) =
-        __builtin_convertvector(frame.scale * (position - middle), Rounded);
+        reinterpret_cast<const Four*>(mesh.positions + 3 * static_cast<std::size_t>(*vertex)),
+        Mask{-1, -1, -1, 0});
+    *reinterpret_cast<Rounded*>(place) =
+        __builtin_convertvector(scale * (position - middle), Rounded);
   }
 #else
-  const auto coordinate = [&](std::size_t i, std::size_t axis) {
-    return static_cast<float>(frame.scale * (positions[3 * i + axis] - centre[axis]));
-  };
-  for (std::size_t i = 0; i < count; ++i)
-    places[i] = {coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)};
+  for (const VertexId* vertex = begin; vertex != end; ++vertex, ++place) {
+    const auto coordinate = [&](std::size_t axis) {
+      return static_cast<float>(
+          scale * (mesh.positions[3 * static_cast<std::size_t>(*vertex) + axis] - centre[axis]));
+    };
+    *place = {coordinate(0), coordinate(1), coordinate(2)};
+  }
 #endif
 }
 
-/// The leaf in a lane, or the one that it repeats.
-inline std::uint32_t leafIn(const TrianglePacket& packet, std::uint32_t lane) {
-  return packet.first_leaf + (lane < packet.lane_count ? lane : 0);
-}
-
-/// One corner of each of a packet's triangles, in the unit frame.
-inline LaneVector<float> cornerOf(const PlainMesh& mesh, const TrianglePacket& packet,
-                                  std::uint32_t corner) {
-  return gather([&](std::uint32_t lane) {
-    return mesh.places + static_cast<std::uint32_t>(mesh.corners[leafIn(packet, lane)][corner]);
-  });
+/// One corner of each of a packet's triangles.
+inline LaneVector<float> cornerOf(const VertexPlaces& places,
+                                  const std::array<std::uint8_t, kLaneCount>& numbers) {
+  return gather([&](std::uint32_t lane) { return &places[numbers[lane]]; });
 }
 
 /// The largest magnitude of a coordinate.
@@ -59,11 +60,12 @@ inline float radiusAround(const Lanes<float>& largest) {
 /// The edges are off by 2*kPlaceRounding and shorter than 8.
 constexpr float kFlat = 0x1p-36F;
 
-[[gnu::always_inline]] inline PacketTally fillOne(const PlainMesh& mesh, TrianglePacket& packet,
-                                                  LanePoints& centroids) {
-  const LaneVector<float> a = cornerOf(mesh, packet, 0);
-  const LaneVector<float> b = cornerOf(mesh, packet, 1);
-  const LaneVector<float> c = cornerOf(mesh, packet, 2);
+[[gnu::always_inline]] inline PacketTally fillOne(const VertexPlaces& places,
+                                                  const PacketCorners& corners,
+                                                  TrianglePacket& packet, LanePoints& centroids) {
+  const LaneVector<float> a = cornerOf(places, corners[0]);
+  const LaneVector<float> b = cornerOf(places, corners[1]);
+  const LaneVector<float> c = cornerOf(places, corners[2]);
   const LaneVector<float> ab = b - a;
   const LaneVector<float> ac = c - a;
   store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), centroids);
@@ -89,12 +91,20 @@ constexpr float kFlat = 0x1p-36F;
           (in_use & may_be_flat).bits()};
 }
 
-inline void fill(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
-                 PacketSplits* splits, PacketTally* tallies) {
+inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
+                 std::uint32_t end) {
   constexpr std::size_t kAhead = 8;  // packets
-  for (std::size_t i = 0; i < count; ++i) {
-    __builtin_prefetch(&packets[i + kAhead].origin, 1);
-    tallies[i] = fillOne(mesh, packets[i], splits[i].centroids);
+  VertexPlaces places;
+  for (std::uint32_t number = begin; number < end; ++number) {
+    place(mesh, mesh.vertices + mesh.first_vertices[number],
+          mesh.vertices + mesh.first_vertices[number + 1], places);
+    const WideNode& node = tree.nodes[number];
+    const std::uint32_t last = node.first_packet + node.lane_count - node.node_count;
+    for (std::uint32_t i = node.first_packet; i < last; ++i) {
+      __builtin_prefetch(&tree.packets[i + kAhead].origin, 1);
+      tree.tallies[i] =
+          fillOne(places, mesh.corners[i], tree.packets[i], tree.packet_splits[i].centroids);
+    }
   }
 }
 

@@ -32,7 +32,7 @@ const Kernels& kernels() {
 }
 
 PlainBox boxOfPoints(const double* points, std::size_t count) {
-  constexpr std::size_t kGrain = 16384;  // points that are worth a task
+  constexpr std::size_t kGrain = 8192;  // points that are worth a task
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, count, kGrain),

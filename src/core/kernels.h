@@ -24,16 +24,23 @@ struct PlainUnitFrame {
   double scale;
 };
 
-/// Where triangles are.
+/// Where the triangles of nodes' packets are.
 struct PlainMesh {
-  const VertexPlace* places;  ///< of the vertices
-  const Corners* corners;     ///< of each leaf
+  const double* positions;  ///< of the vertices [m]
+  PlainUnitFrame frame;
+  const VertexId* vertices;             ///< of one node after another
+  const std::uint32_t* first_vertices;  ///< of each node and, one more, their end
+  const PacketCorners* corners;         ///< of the packets
 };
 
-/// What is to be enclosed.
+/// What is to be filled, then enclosed.
 struct PlainTree {
   WideNode* nodes;
-  const TrianglePacket* packets;
+  NodeSplits* node_splits;
+  const Poles* poles;  ///< of the nodes' splits, as slots
+  TrianglePacket* packets;
+  PacketSplits* packet_splits;
+  PacketTally* tallies;  ///< of the packets
   const NodePart* parts;
   const std::uint32_t* first_parts;  ///< of each node and, one more, their end
 };
@@ -69,19 +76,12 @@ struct Kernels {
   void (*followPairs)(PairSearch& search, double step);
   /// REQUIRES: there is a point.
   PlainBox (*boxOf)(const double* points, std::size_t count);
-  /// Rounds `count` vertices, x, y, z [m], to their places.
-  void (*place)(const double* positions, std::size_t count, const PlainUnitFrame& frame,
-                VertexPlace* places);
-  /// Takes over where the triangles of `count` packets are, and their centroids. Triangles that may
-  /// be flat within rounding are marked in the tallies.
-  /// REQUIRES: first_leaf and lane_count of the packets.
-  void (*fill)(const PlainMesh& mesh, TrianglePacket* packets, std::size_t count,
-               PacketSplits* splits, PacketTally* tallies);
-  /// Takes over where the poles of `count` nodes' splits are, as slots, from the packets.
-  void (*placeSplits)(const PacketSplits* packets, const Poles* poles, std::size_t count,
-                      NodeSplits* nodes);
-  /// Places the origins and boxes of nodes, the last first. REQUIRES: that is done for all nodes
-  /// and packets below.
+  /// Takes over where the triangles of some nodes' packets are, and their centroids. Triangles that
+  /// may be flat within rounding are marked in the tallies.
+  void (*fill)(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
+               std::uint32_t end);
+  /// Places the origins, boxes and splits of nodes, the last first. REQUIRES: that is done for all
+  /// nodes and packets below.
   void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);
   /// What a set costs in up to 1, 2, ... 8 lanes: divided among its children, of which each takes
   /// one or more, or whole, in one lane, as a packet or as a node whose children share eight.

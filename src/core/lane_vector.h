@@ -69,6 +69,11 @@ inline Truth<Real> lanesInUse(const TrianglePacket& packet) {
   return Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
 }
 
+/// A vertex in the unit frame, aligned so that it is read at once.
+struct alignas(16) VertexPlace {
+  float x, y, z;
+};
+
 /// Eight places that are anywhere in memory, at place(0), ... place(7).
 template <class Place>
 inline LaneVector<float> gather(const Place& place) {

@@ -15,22 +15,9 @@ namespace organ_collision::core {
 namespace {
 
 /// For the vector unit that includes this.
-constexpr Kernels kUnitKernels = {walk,
-                                  follow,
-                                  descend,
-                                  walkPairs,
-                                  followPairs,
-                                  boxOf,
-                                  place,
-                                  fill,
-                                  placeSplits,
-                                  enclose,
-                                  weigh,
-                                  farthestFrom,
-                                  farthestOfAllPairs,
-                                  listByPower,
-                                  listFarFrom,
-                                  separate};
+constexpr Kernels kUnitKernels = {
+    walk,    follow, descend,      walkPairs,          followPairs, boxOf,       fill,
+    enclose, weigh,  farthestFrom, farthestOfAllPairs, listByPower, listFarFrom, separate};
 
 }  // namespace
 }  // namespace organ_collision::core

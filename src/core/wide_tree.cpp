@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bitset>
 #include <climits>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "core/for_each.h"
 #include "core/kernels.h"
 #include "core/node_splits.h"
+#include "core/vertex_lists.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -41,7 +43,7 @@ constexpr double kSumRounding = 0x1p-46;
 
 /// How deep refits look for boxes. More levels draw boxes closer, and let a partial refit take
 /// longer: benchmark/update_figures tells both.
-constexpr int kLevels = 3;
+constexpr int kLevels = 2;
 
 /// Of a node's centroids, at most so many are asked for its axes.
 constexpr std::size_t kAxesPoints = 256;
@@ -49,8 +51,9 @@ constexpr std::size_t kAxesPoints = 256;
 constexpr std::size_t kLeafGrain = 1024;    // so many are worth a task
 constexpr std::size_t kNodeGrain = 16;      // so many to be turned, too
 constexpr std::size_t kPacketGrain = 32;    // so many, too
-constexpr std::size_t kVertexGrain = 4096;  // so many, too
-constexpr std::size_t kTasks = 32;          // are enough; larger ones read memory in longer runs
+constexpr std::size_t kTasks = 12;          // are enough
+constexpr std::size_t kTaskPackets = 1024;  // unless so many are in each: a core's cache holds them
+constexpr std::size_t kTaskNodes = 2;       // share a task, or some tasks would be much larger
 
 Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> axesOf(const WideTree::Node& node) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(node.axes.front().data());
@@ -89,10 +92,7 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : frame_(frame),
-      vertices_(mesh.positions().size()),
-      corners_(mesh.triangleCount()),
-      slots_(mesh.triangleCount()) {
+    : frame_(frame), corners_(mesh.triangleCount()), slots_(mesh.triangleCount()) {
   Collapse::Centroids centroids(mesh.triangleCount());
   forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
     corners_[leaf] = mesh.corners(tree.triangle(static_cast<Leaf>(leaf)));
@@ -130,9 +130,10 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
                                             guide_.nodes[self], guide_.packets.data()));
   });
+  lists_ = listVertices(nodes_, packets_, corners_);
   listParts();
   tallies_.resize(packets_.size());
-  touched_.resize(nodes_.size() + packets_.size());
+  touched_.resize(2 * nodes_.size());
   fitAll(mesh, Fit::kCorners);
 }
 
@@ -189,44 +190,56 @@ WideTree::Range WideTree::packetsOf(const Range& nodes) const {
   return {nodes_[nodes.begin].first_packet, last.first_packet + last.lane_count - last.node_count};
 }
 
-/// Side by side what is below some nodes of one level, each node above as soon as that is done;
-/// then the rest.
+/// Side by side what is below some nodes of one level, neighbours together; a node above is left to
+/// whoever is done with the last one below it.
 void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
-  placeAll(mesh);
-  const std::size_t wanted = std::min(kTasks, packets_.size() / kPacketGrain);
+  const std::size_t wanted =
+      std::max(std::clamp<std::size_t>(packets_.size() / kPacketGrain, 1, kTasks),
+               packets_.size() / kTaskPackets);
   std::size_t level = 0;
-  while (level + 1 < levels_.size() && nodesOn(level).size() < wanted) ++level;
-  if (level == 0) {
-    tally_ = fitBelow(mesh, nodesOn(0), fit);
-    return;
-  }
-  const std::size_t grain = 1 + nodesOn(level).size() / (2 * wanted + 1);
-  const Range above = nodesOn(level - 1);
-  std::vector<HealthTally> tallies(above.size());  // sums are to round the same each time
-  forEachAlone(tallies.size(), [&](std::size_t i) {
-    tallies[i] = fitWith(mesh, above.begin + static_cast<std::uint32_t>(i), grain, fit);
+  while (level + 1 < levels_.size() && nodesOn(level).size() < kTaskNodes * wanted) ++level;
+  const Range all = nodesOn(level);
+  const std::vector<std::uint32_t> begins = partsOf(all, wanted);
+  const std::size_t tasks = begins.size() - 1;
+  std::vector<HealthTally> tallies(all.begin + tasks);  // sums are to round the same each time
+  std::vector<std::atomic<std::uint32_t>> waits_for(all.begin);
+  const auto fitOne = [&](std::uint32_t node) {
+    tallies[node] = fill(mesh, {node, node + 1});
+    enclose({node, node + 1}, fit);
+  };
+  const auto fitAbove = [&](std::uint32_t node) {
+    while (node != 0 && --waits_for[parents_[node]] == 0) fitOne(node = parents_[node]);
+  };
+  for (std::uint32_t node = 0; node < all.begin; ++node) waits_for[node] = nodes_[node].node_count;
+  forEachAlone(tasks + 1, [&](std::size_t i) {
+    if (i == tasks) {  // those above that have packets alone
+      for (std::uint32_t node = 0; node < all.begin; ++node) {
+        if (nodes_[node].node_count > 0) continue;
+        fitOne(node);
+        fitAbove(node);
+      }
+      return;
+    }
+    tallies[all.begin + i] = fitBelow(mesh, {begins[i], begins[i + 1]}, fit);
+    for (std::uint32_t node = begins[i]; node < begins[i + 1]; ++node) fitAbove(node);
   });
-  tally_ = fill(mesh, {0, nodes_[above.begin].first_packet});
+  tally_ = {};
   for (const HealthTally& tally : tallies) tally_.add(tally);
-  enclose({0, above.begin}, fit);
 }
 
-/// A node and, side by side, all that is below its children, so many of them at a time.
-HealthTally WideTree::fitWith(const TriangleMesh& mesh, std::uint32_t node, std::size_t grain,
-                              Fit fit) {
-  const Range self = {node, node + 1};
-  const Range children = childrenOf(self);
-  std::array<HealthTally, kLaneCount> tallies;
-  const std::size_t tasks = (children.size() + grain - 1) / grain;
-  forEachAlone(tasks, [&](std::size_t i) {
-    const auto begin = static_cast<std::uint32_t>(children.begin + i * grain);
-    const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(begin + grain, children.end));
-    tallies[i] = fitBelow(mesh, {begin, end}, fit);
-  });
-  HealthTally tally = fill(mesh, packetsOf(self));
-  for (std::size_t i = 0; i < tasks; ++i) tally.add(tallies[i]);
-  enclose(self, fit);
-  return tally;
+/// Where up to `wanted` parts of some nodes of one level begin, with as many triangles below each
+/// as may be; then their end.
+std::vector<std::uint32_t> WideTree::partsOf(const Range& nodes, std::size_t wanted) const {
+  std::size_t all = 0;
+  for (std::uint32_t node = nodes.begin; node < nodes.end; ++node) all += guide_.sets[node].size();
+  std::vector<std::uint32_t> begins = {nodes.begin};
+  std::size_t below = 0;
+  for (std::uint32_t node = nodes.begin; node + 1 < nodes.end; ++node) {
+    below += guide_.sets[node].size();
+    if (below * wanted >= all * begins.size()) begins.push_back(node + 1);
+  }
+  begins.push_back(nodes.end);
+  return begins;
 }
 
 WideTree::Range WideTree::nodesOn(std::size_t level) const {
@@ -243,96 +256,88 @@ HealthTally WideTree::fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit
   std::vector<Range> levels;
   for (Range level = nodes; level.begin != level.end; level = childrenOf(level)) {
     levels.push_back(level);
-    tally.add(fill(mesh, packetsOf(level)));
+    tally.add(fill(mesh, level));
   }
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) enclose(*level, fit);
   return tally;
 }
 
-void WideTree::refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
-                     const std::vector<TriangleId>& touched) {
-  std::vector<std::uint32_t> packets;
-  std::vector<std::uint32_t> nodes;
-  packets.reserve(touched.size());  // nothing is changed yet, should there be no memory
+void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& touched) {
+  std::vector<std::uint32_t> parents;  // of packets that have moved
+  std::vector<std::uint32_t> nodes;    // and all above them
+  // Nothing is changed yet, should there be no memory.
+  parents.reserve(std::min(touched.size(), nodes_.size()));
   nodes.reserve(std::min(touched.size() * levels_.size(), nodes_.size()));
-  for (const VertexId vertex : moved) place(mesh, index(vertex), index(vertex) + 1);
-  const auto touch = [this](std::vector<std::uint32_t>& list, std::uint32_t number,
+  const auto touch = [this](std::vector<std::uint32_t>& list, std::uint32_t node,
                             std::size_t place) {
     if (touched_[place]) return false;
     touched_[place] = true;
-    list.push_back(number);
+    list.push_back(node);
     return true;
   };
   for (const TriangleId triangle : touched) {
-    const std::uint32_t packet = slots_[index(triangle)] / kLaneCount;
-    if (!touch(packets, packet, nodes_.size() + packet)) continue;
-    std::uint32_t node = packets_[packet].parent;
+    std::uint32_t node = packets_[slots_[index(triangle)] / kLaneCount].parent;
+    if (!touch(parents, node, nodes_.size() + node)) continue;
     while (touch(nodes, node, node) && node != 0) node = parents_[node];
   }
-  std::sort(nodes.rbegin(), nodes.rend());  // children before parents
-  for (const std::uint32_t packet : packets) {
-    tally_.subtract(tallyOf(packet));
-    tally_.add(fill(mesh, {packet, packet + 1}));
+  for (const std::uint32_t node : parents) {
+    tally_.subtract(tallyOf(packetsOf({node, node + 1})));
+    tally_.add(fill(mesh, {node, node + 1}));
     tally_.rounding += kSumRounding;
-    touched_[nodes_.size() + packet] = false;
+    touched_[nodes_.size() + node] = false;
   }
+  std::sort(nodes.rbegin(), nodes.rend());  // children before parents
   for (const std::uint32_t node : nodes) {
     enclose({node, node + 1}, Fit::kBoxes);
     touched_[node] = false;
   }
 }
 
-void WideTree::placeAll(const TriangleMesh& mesh) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices_.size(), kVertexGrain),
-                    [&](const auto& some) { place(mesh, some.begin(), some.end()); });
+PlainTree WideTree::plain() {
+  return {nodes_.data(),         guide_.nodes.data(), poles_.data(), packets_.data(),
+          guide_.packets.data(), tallies_.data(),     parts_.data(), first_parts_.data()};
 }
 
-/// Takes over where some vertices are.
-void WideTree::place(const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
+/// Fills the packets of some nodes of one level; returns what their triangles add to the health.
+HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& nodes) {
   const auto& [centre, scale] = frame();
-  kernels().place(mesh.positions()[begin].data(), end - begin,
-                  {{centre.x(), centre.y(), centre.z()}, scale}, &vertices_[begin]);
+  kernels().fill({mesh.positions().front().data(),
+                  {{centre.x(), centre.y(), centre.z()}, scale},
+                  lists_.vertices.data(),
+                  lists_.firsts.data(),
+                  lists_.corners.data()},
+                 plain(), nodes.begin, nodes.end);
+  const Range packets = packetsOf(nodes);
+  for (std::uint32_t number = packets.begin; number < packets.end; ++number)
+    if (tallies_[number].flat != 0) keepFlat(mesh, number);
+  return tallyOf(packets);
 }
 
-/// Returns what their triangles add to the health.
-HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& packets) {
-  kernels().fill({vertices_.data(), corners_.data()}, packets_.data() + packets.begin,
-                 packets.end - packets.begin, guide_.packets.data() + packets.begin,
-                 tallies_.data() + packets.begin);
-  HealthTally tally;
-  double squared_edges = 0.0;
-  for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
-    const PacketTally& packet = tallies_[number];
-    tally.volume += double{packet.volume};
-    squared_edges += double{packet.squared_edges};
-    if (packet.flat != 0) tally.degenerate_triangles += keepFlat(mesh, number);
-  }
-  tally.rounding = kVolumeRounding * squared_edges;
-  return tally;
-}
-
-/// Leaves those of a packet's flat triangles that are so exactly; returns their number.
-std::size_t WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
+/// Leaves those of a packet's flat triangles that are so exactly.
+void WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
   const Packet& packet = packets_[number];
   std::uint32_t& flat = tallies_[number].flat;
   for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) {
     const auto& [a, b, c] = mesh.triangle(corners_[packet.first_leaf + lane]);
     if ((flat >> lane & 1U) != 0 && !collinear(a, b, c)) flat &= ~(1U << lane);
   }
-  return std::bitset<kLaneCount>(flat).count();
 }
 
-HealthTally WideTree::tallyOf(std::uint32_t packet) const {
-  const PacketTally& tally = tallies_[packet];
-  return {std::bitset<kLaneCount>(tally.flat).count(), double{tally.volume},
-          kVolumeRounding * double{tally.squared_edges}};
+HealthTally WideTree::tallyOf(const Range& packets) const {
+  HealthTally tally;
+  double squared_edges = 0.0;
+  for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
+    const PacketTally& packet = tallies_[number];
+    tally.volume += double{packet.volume};
+    squared_edges += double{packet.squared_edges};
+    tally.degenerate_triangles += std::bitset<kLaneCount>(packet.flat).count();
+  }
+  tally.rounding = kVolumeRounding * squared_edges;
+  return tally;
 }
 
 void WideTree::enclose(const Range& nodes, Fit fit) {
-  kernels().enclose({nodes_.data(), packets_.data(), parts_.data(), first_parts_.data()},
-                    nodes.begin, nodes.end, fit);
-  kernels().placeSplits(guide_.packets.data(), poles_.data() + nodes.begin, nodes.end - nodes.begin,
-                        guide_.nodes.data() + nodes.begin);
+  kernels().enclose(plain(), nodes.begin, nodes.end, fit);
 }
 
 Box WideTree::boxOf(const Node& node, std::uint32_t lane) const {
@@ -355,10 +360,12 @@ std::size_t WideTree::searchMemory() const {
 }
 
 std::size_t WideTree::memory() const {
-  return searchMemory() + vertices_.capacity() * sizeof(VertexPlace) +
+  return searchMemory() + lists_.vertices.capacity() * sizeof(VertexId) +
+         lists_.corners.capacity() * sizeof(PacketCorners) +
          tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
          parts_.capacity() * sizeof(NodePart) + poles_.capacity() * sizeof(Poles) +
-         (first_parts_.capacity() + parents_.capacity() + slots_.capacity() + levels_.capacity()) *
+         (lists_.firsts.capacity() + first_parts_.capacity() + parents_.capacity() +
+          slots_.capacity() + levels_.capacity()) *
              sizeof(std::uint32_t);
 }
 

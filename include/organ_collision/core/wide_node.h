@@ -72,10 +72,9 @@ struct NodePart {
   std::array<std::array<float, 3>, 3> turn;  ///< to the axes above
 };
 
-/// A vertex in the unit frame, aligned so that it is read at once.
-struct alignas(16) VertexPlace {
-  float x, y, z;
-};
+/// Of a packet's triangles, a, b, c of eight of them: each a number in the list of the vertices
+/// that its node's packets have.
+using PacketCorners = std::array<std::array<std::uint8_t, kLaneCount>, 3>;
 
 /// What a packet's triangles add to their mesh's health.
 struct PacketTally {

@@ -16,12 +16,21 @@
 namespace organ_collision::core {
 
 enum class Fit : std::uint8_t;
+struct PlainTree;
 
 /// What leads the paper's search, as well as single precision can tell.
 struct GreedyGuide {
   HugePageVector<FarthestPairTree::Set> sets;  ///< of the nodes
   HugePageVector<NodeSplits> nodes;
   HugePageVector<PacketSplits> packets;
+};
+
+/// The vertices that each node's packets have. A refit rounds each of them once a node, right where
+/// it is needed: what one core has written takes another long to read here and there.
+struct VertexLists {
+  HugePageVector<VertexId> vertices;      ///< one node's after another's
+  std::vector<std::uint32_t> firsts;      ///< of each node and, one more, their end
+  HugePageVector<PacketCorners> corners;  ///< of the packets
 };
 
 /// The farthest-pair hierarchy as the exact search walks it: its sets, up to eight to a node, with
@@ -49,10 +58,9 @@ class WideTree {
   /// AABB trees" (1997).
   void refit(const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// The same where only these vertices have moved, in the frame of the last refit; `touched` are
-  /// their triangles. O(k log n) for k triangles.
-  void refit(const TriangleMesh& mesh, const std::vector<VertexId>& moved,
-             const std::vector<TriangleId>& touched);
+  /// The same where only these triangles have moved, in the frame of the last refit. O(k log n) for
+  /// k triangles.
+  void refit(const TriangleMesh& mesh, const std::vector<TriangleId>& touched);
 
   /// What the triangles add to their mesh's health.
   const HealthTally& tally() const { return tally_; }
@@ -81,32 +89,31 @@ class WideTree {
   };
 
   Range nodesOn(std::size_t level) const;
+  std::vector<std::uint32_t> partsOf(const Range& nodes, std::size_t wanted) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
   Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
-  void placeAll(const TriangleMesh& mesh);
-  void place(const TriangleMesh& mesh, std::size_t begin, std::size_t end);
-  HealthTally fitWith(const TriangleMesh& mesh, std::uint32_t node, std::size_t grain, Fit fit);
   HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
-  HealthTally fill(const TriangleMesh& mesh, const Range& packets);
-  std::size_t keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
-  HealthTally tallyOf(std::uint32_t packet) const;
+  HealthTally fill(const TriangleMesh& mesh, const Range& nodes);
+  void keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
+  HealthTally tallyOf(const Range& packets) const;
+  PlainTree plain();
   void enclose(const Range& nodes, Fit fit);
 
   UnitFrame frame_;
   GreedyGuide guide_;
   HugePageVector<Node> nodes_;
   HugePageVector<Packet> packets_;
-  HugePageVector<VertexPlace> vertices_;
   std::vector<PacketTally> tallies_;  // of the packets
   HealthTally tally_;
-  std::vector<bool> touched_;  // nodes, then packets; none but while some are refitted
+  std::vector<bool> touched_;  // nodes, then nodes' packets; none but while some are refitted
 
   // The rest stays as it was built.
-  HugePageVector<Corners> corners_;         // of each leaf
+  HugePageVector<Corners> corners_;  // of each leaf
+  VertexLists lists_;
   std::vector<NodePart> parts_;             // one node's after another's
   std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;      // of the nodes

@@ -1,0 +1,80 @@
+#include "core/vertex_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "organs_and_tips.h"
+
+namespace organ_collision::core {
+namespace {
+
+VertexLists listsOf(const WideTree& tree) {
+  return listVertices(tree.nodes(), tree.packets(), tree.corners());
+}
+
+TEST(VertexLists, HoldTheCornersOfEachNodesPackets) {
+  for (const CollisionMesh& organ : test::organs()) {
+    const WideTree& tree = organ.wideTree();
+    const VertexLists lists = listsOf(tree);
+    ASSERT_EQ(lists.firsts.size(), tree.nodes().size() + 1);
+    ASSERT_EQ(lists.corners.size(), tree.packets().size());
+    EXPECT_EQ(lists.firsts.back(), lists.vertices.size());
+    for (std::size_t number = 0; number < tree.packets().size(); ++number) {
+      const TrianglePacket& packet = tree.packets()[number];
+      for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
+        const std::uint32_t leaf = packet.first_leaf + (lane < packet.lane_count ? lane : 0);
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+          const std::uint32_t place =
+              lists.firsts[packet.parent] + lists.corners[number][corner][lane];
+          ASSERT_LT(place, lists.firsts[packet.parent + 1]);
+          ASSERT_EQ(lists.vertices[place], tree.corners()[leaf][corner]);
+        }
+      }
+    }
+  }
+}
+
+TEST(VertexLists, HoldMostVerticesOnceANode) {
+  const CollisionMesh organ(test::blob(4));
+  const WideTree& tree = organ.wideTree();
+  const VertexLists lists = listsOf(tree);
+  std::size_t distinct = 0;
+  for (std::size_t node = 0; node < tree.nodes().size(); ++node) {
+    const auto begin = lists.vertices.begin() + lists.firsts[node];
+    std::vector<VertexId> vertices(begin, lists.vertices.begin() + lists.firsts[node + 1]);
+    std::sort(vertices.begin(), vertices.end());
+    distinct += std::unique(vertices.begin(), vertices.end()) - vertices.begin();
+  }
+  EXPECT_LT(lists.vertices.size(), 1.2 * distinct);
+  EXPECT_LT(distinct, 1.2 * organ.mesh().triangleCount());  // three times as many corners
+}
+
+TEST(VertexLists, HaveRoomForAsManyVerticesAsANodeCanHave) {
+  // Triangles that share none, in numbers that all meet in one place of what was seen.
+  constexpr std::uint32_t kApart = 1024;
+  const HugePageVector<WideNode> nodes(1, [] {
+    WideNode node{};
+    node.lane_count = kLaneCount;
+    return node;
+  }());
+  HugePageVector<TrianglePacket> packets(kLaneCount);
+  HugePageVector<Corners> corners;
+  for (std::uint32_t packet = 0; packet < kLaneCount; ++packet) {
+    packets[packet].first_leaf = packet * kLaneCount;
+    packets[packet].lane_count = kLaneCount;
+    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto first = static_cast<std::uint32_t>(3 * corners.size());
+      corners.push_back({VertexId{first * kApart}, VertexId{(first + 1) * kApart},
+                         VertexId{(first + 2) * kApart}});
+    }
+  }
+  const VertexLists lists = listVertices(nodes, packets, corners);
+  ASSERT_EQ(lists.vertices.size(), 3U * kLaneCount * kLaneCount);
+  EXPECT_EQ(lists.vertices.back(), corners.back()[2]);
+  EXPECT_EQ(lists.corners.back()[2].back(), lists.vertices.size() - 1);
+}
+
+}  // namespace
+}  // namespace organ_collision::core
