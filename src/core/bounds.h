@@ -32,6 +32,9 @@ constexpr float kTiny = 0x1p-26F;
 /// Rounding a place to single precision moves it by less, as no coordinate is above 2.
 constexpr float kPlaceRounding = 0x1p-23F;
 
+/// Of a radius from squares: they are off by less.
+constexpr float kRadiusRounding = 1.0F + 0x1p-16F;
+
 /// A corner of the tip, relative to an origin.
 template <class Real>
 inline Vector<Real> relative(const Vector<Real>& tip, const std::array<float, 3>& origin) {

@@ -12,7 +12,7 @@ inline PlainBox boxOf(const double* points, std::size_t count) {
   // Eight points are three vectors; which coordinate a lane has is the same in all eights.
   Lanes<double> low[3], high[3];
   const Lanes<double> zero{};
-  Lanes<double> none{};  // not a number once a coordinate was not finite
+  Lanes<double> none[3] = {};  // not a number once a coordinate was not finite
   for (int i = 0; i < 3; ++i) {
     low[i] = Lanes<double>::all(__builtin_huge_val());
     high[i] = Lanes<double>::all(-__builtin_huge_val());
@@ -22,7 +22,7 @@ inline PlainBox boxOf(const double* points, std::size_t count) {
       const Lanes<double> values = Lanes<double>::copy(eight + std::ptrdiff_t{i} * kLanes);
       low[i] = smaller(values, low[i]);
       high[i] = larger(values, high[i]);
-      none = none + values * zero;
+      none[i] = none[i] + values * zero;
     }
   };
   const std::size_t rest_begin = 3 * (count - count % kLanes);
@@ -42,7 +42,7 @@ inline PlainBox boxOf(const double* points, std::size_t count) {
     box.low[i % 3] = least < box.low[i % 3] ? least : box.low[i % 3];
     box.high[i % 3] = most > box.high[i % 3] ? most : box.high[i % 3];
   }
-  box.finite = sumOf(none) == 0.0;
+  box.finite = sumOf(none[0] + none[1] + none[2]) == 0.0;
   return box;
 }
 

@@ -13,9 +13,6 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-18F;
-/// Of the reach of boxes that are not widened yet.
-constexpr float kRadiusRounding = 1.0F + 0x1p-16F;
-
 struct LaneBox {
   LaneVector<float> low, high;
 
@@ -187,13 +184,12 @@ inline void placeBoxes(const PlainTree& tree, std::uint32_t self, Fit fit) {
 /// Eight centroids that are anywhere, by their slots.
 inline LaneVector<float> centroidsIn(const PacketSplits* packets,
                                      const std::array<std::uint32_t, kLaneCount>& slots) {
-  alignas(kVectorBytes) LanePoints rows;
-  for (std::uint32_t i = 0; i < kLaneCount; ++i) {
-    const LanePoints& centroids = packets[slots[i] / kLaneCount].centroids;
-    for (std::uint32_t axis = 0; axis < 3; ++axis)
-      rows[axis][i] = centroids[axis][slots[i] % kLaneCount];
-  }
-  return load<float>(rows);
+  const auto along = [&](std::size_t axis) {
+    return Lanes<float>::each([&](std::uint32_t i) {
+      return packets[slots[i] / kLaneCount].centroids[axis][slots[i] % kLaneCount];
+    });
+  };
+  return {along(0), along(1), along(2)};
 }
 
 /// Takes over where the poles of a node's splits are.

@@ -11,7 +11,13 @@ namespace {
 /// Of as many as a node's packets can have.
 using VertexPlaces = std::array<VertexPlace, std::size_t{3} * kLaneCount * kLaneCount>;
 
-/// Rounds some vertices to their places.
+/// Asks for where some vertices are: another core may have written it.
+inline void fetchAll(const PlainMesh& mesh, const VertexId* begin, const VertexId* end) {
+  for (const VertexId* vertex = begin; vertex != end; ++vertex)
+    __builtin_prefetch(mesh.positions + 3 * static_cast<std::size_t>(*vertex));
+}
+
+/// Rounds them to their places.
 inline void place(const PlainMesh& mesh, const VertexId* begin, const VertexId* end,
                   VertexPlaces& places) {
   const auto& [centre, scale] = mesh.frame;
@@ -45,15 +51,10 @@ inline LaneVector<float> cornerOf(const VertexPlaces& places,
   return gather([&](std::uint32_t lane) { return &places[numbers[lane]]; });
 }
 
-/// The largest magnitude of a coordinate.
-inline Lanes<float> largestCoordinate(const LaneVector<float>& v) {
-  return larger(larger(magnitudeOf(v.x), magnitudeOf(v.y)), magnitudeOf(v.z));
-}
-
-/// Of the ball around all points whose coordinates are not larger. A root would take longer.
-inline float radiusAround(const Lanes<float>& largest) {
-  constexpr float kDiagonal = 1.7321F;  // of a cube, rounded up
-  return kDiagonal * mostOf(largest) + kPlaceRounding;
+/// Of the ball around a packet's origin that holds its triangles, each with a corner and two edges
+/// from there of which `squares` are the sums: none is farther than the root of twice that.
+inline float radiusAround(const Lanes<float>& squares) {
+  return rootOf(2.0F * mostOf(squares)) * kRadiusRounding + kPlaceRounding;
 }
 
 /// What rounding makes of the square of a flat triangle's normal: this part of that of two edges.
@@ -78,12 +79,9 @@ constexpr float kFlat = 0x1p-36F;
   store(ab, packet.edge1);
   store(ac, packet.edge2);
 
-  packet.radius =
-      radiusAround(larger(larger(largestCoordinate(corner), largestCoordinate(b - origin)),
-                          largestCoordinate(c - origin)));
-
   const LaneVector<float> normal = cross(ab, ac);
   const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);
+  packet.radius = radiusAround(dot(corner, corner) + squared_edges);
   const Truth<float> in_use = lanesInUse<float>(packet);
   const Truth<float> may_be_flat = dot(normal, normal) <= Lanes<float>::all(kFlat) * squared_edges;
   const Lanes<float> none{};
@@ -93,11 +91,14 @@ constexpr float kFlat = 0x1p-36F;
 
 inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
                  std::uint32_t end) {
-  constexpr std::size_t kAhead = 8;  // packets
+  constexpr std::uint32_t kAhead = 8;  // packets
   VertexPlaces places;
+  const auto first = [&mesh](std::uint32_t number) {
+    return mesh.vertices + mesh.first_vertices[number];
+  };
   for (std::uint32_t number = begin; number < end; ++number) {
-    place(mesh, mesh.vertices + mesh.first_vertices[number],
-          mesh.vertices + mesh.first_vertices[number + 1], places);
+    if (number + 1 < end) fetchAll(mesh, first(number + 1), first(number + 2));
+    place(mesh, first(number), first(number + 1), places);
     const WideNode& node = tree.nodes[number];
     const std::uint32_t last = node.first_packet + node.lane_count - node.node_count;
     for (std::uint32_t i = node.first_packet; i < last; ++i) {

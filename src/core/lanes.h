@@ -111,6 +111,18 @@ struct Lanes {
       result.part[lane / kPartLanes][lane % kPartLanes] = static_cast<Real>(lane);
     return result;
   }
+  /// number(0), number(1), ... number(7).
+  template <class Number>
+  static Lanes each(const Number& number) {
+    Lanes result;
+    if constexpr (kPartLanes == 8) {
+      result.part[0] = Numbers{number(0), number(1), number(2), number(3),
+                               number(4), number(5), number(6), number(7)};
+    } else {
+      for (int i = 0; i < kLanes; ++i) result.part[i / kPartLanes][i % kPartLanes] = number(i);
+    }
+    return result;
+  }
   /// Eight numbers, aligned like a vector.
   static Lanes load(const float* values) {
     Lanes result;

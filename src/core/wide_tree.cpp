@@ -330,7 +330,8 @@ HealthTally WideTree::tallyOf(const Range& packets) const {
     const PacketTally& packet = tallies_[number];
     tally.volume += double{packet.volume};
     squared_edges += double{packet.squared_edges};
-    tally.degenerate_triangles += std::bitset<kLaneCount>(packet.flat).count();
+    if (packet.flat != 0)  // seldom
+      tally.degenerate_triangles += std::bitset<kLaneCount>(packet.flat).count();
   }
   tally.rounding = kVolumeRounding * squared_edges;
   return tally;
