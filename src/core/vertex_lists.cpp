@@ -38,16 +38,14 @@ class Numbering {
 /// Calls `see(packet, corner, lane, vertex)` for all lanes of a node's packets; those that are not
 /// in use repeat the first.
 template <class See>
-[[gnu::always_inline]] inline void forEachCorner(const WideNode& node,
-                                                 const TrianglePacket* packets,
+[[gnu::always_inline]] inline void forEachCorner(const Collapse::Layout& layout, std::size_t node,
                                                  const Corners* corners, const See& see) {
-  const std::uint32_t end = node.first_packet + node.lane_count - node.node_count;
-  for (std::uint32_t packet = node.first_packet; packet < end; ++packet) {
-    const Corners* const leaves = corners + packets[packet].first_leaf;
-    const std::uint32_t in_use = packets[packet].lane_count;
+  const std::uint32_t first = layout.nodes[node].first_packet;
+  for (std::uint32_t packet = first; packet < first + layout.nodes[node].packet_count; ++packet) {
+    const auto& [begin, end, parent] = layout.packets[packet];
     for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
-      const Corners& vertices = leaves[lane < in_use ? lane : 0];
-      for (std::size_t corner = 0; corner < 3; ++corner)
+      const Corners& vertices = corners[begin + lane < end ? begin + lane : begin];
+      for (std::size_t corner = 0; corner < vertices.size(); ++corner)
         see(packet, corner, lane, vertices[corner]);
     }
   }
@@ -55,17 +53,15 @@ template <class See>
 
 }  // namespace
 
-VertexLists listVertices(const HugePageVector<WideNode>& nodes,
-                         const HugePageVector<TrianglePacket>& packets,
-                         const HugePageVector<Corners>& corners) {
+VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Corners>& corners) {
   VertexLists lists;
-  lists.corners.resize(packets.size());
-  lists.firsts.assign(nodes.size() + 1, 0);
-  forEach(nodes.size(), kGrain, [&](std::size_t self) {
+  lists.corners.resize(layout.packets.size());
+  lists.firsts.assign(layout.nodes.size() + 1, 0);
+  forEach(layout.nodes.size(), kGrain, [&](std::size_t self) {
     Numbering numbering;
     std::uint32_t count = 0;
     forEachCorner(
-        nodes[self], packets.data(), corners.data(),
+        layout, self, corners.data(),
         [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane, VertexId vertex) {
           const std::uint32_t number = numbering(vertex, count);
           count += number == count ? 1 : 0;
@@ -75,9 +71,9 @@ VertexLists listVertices(const HugePageVector<WideNode>& nodes,
   });
   std::partial_sum(lists.firsts.begin(), lists.firsts.end(), lists.firsts.begin());
   lists.vertices.resize(lists.firsts.back());
-  forEach(nodes.size(), kGrain, [&](std::size_t self) {
+  forEach(layout.nodes.size(), kGrain, [&](std::size_t self) {
     VertexId* const vertices = lists.vertices.data() + lists.firsts[self];
-    forEachCorner(nodes[self], packets.data(), corners.data(),
+    forEachCorner(layout, self, corners.data(),
                   [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane,
                       VertexId vertex) { vertices[lists.corners[packet][corner][lane]] = vertex; });
   });

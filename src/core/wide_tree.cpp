@@ -130,7 +130,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
                                             guide_.nodes[self], guide_.packets.data()));
   });
-  lists_ = listVertices(nodes_, packets_, corners_);
+  lists_ = listVertices(layout, corners_);
   listParts();
   tallies_.resize(packets_.size());
   touched_.resize(2 * nodes_.size());

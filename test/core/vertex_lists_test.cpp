@@ -10,14 +10,18 @@
 namespace organ_collision::core {
 namespace {
 
-VertexLists listsOf(const WideTree& tree) {
-  return listVertices(tree.nodes(), tree.packets(), tree.corners());
+VertexLists listsOf(const CollisionMesh& organ) {
+  Collapse::Centroids centroids;
+  for (FarthestPairTree::Leaf leaf = 0; leaf < organ.tree().root().size(); ++leaf)
+    centroids.push_back(
+        organ.wideTree().frame()(centroid(organ.mesh().triangle(organ.tree().triangle(leaf)))));
+  return listVertices(Collapse(organ.tree(), centroids).layout(), organ.wideTree().corners());
 }
 
 TEST(VertexLists, HoldTheCornersOfEachNodesPackets) {
   for (const CollisionMesh& organ : test::organs()) {
     const WideTree& tree = organ.wideTree();
-    const VertexLists lists = listsOf(tree);
+    const VertexLists lists = listsOf(organ);
     ASSERT_EQ(lists.firsts.size(), tree.nodes().size() + 1);
     ASSERT_EQ(lists.corners.size(), tree.packets().size());
     EXPECT_EQ(lists.firsts.back(), lists.vertices.size());
@@ -39,7 +43,7 @@ TEST(VertexLists, HoldTheCornersOfEachNodesPackets) {
 TEST(VertexLists, HoldMostVerticesOnceANode) {
   const CollisionMesh organ(test::blob(4));
   const WideTree& tree = organ.wideTree();
-  const VertexLists lists = listsOf(tree);
+  const VertexLists lists = listsOf(organ);
   std::size_t distinct = 0;
   for (std::size_t node = 0; node < tree.nodes().size(); ++node) {
     const auto begin = lists.vertices.begin() + lists.firsts[node];
@@ -54,23 +58,15 @@ TEST(VertexLists, HoldMostVerticesOnceANode) {
 TEST(VertexLists, HaveRoomForAsManyVerticesAsANodeCanHave) {
   // Triangles that share none, in numbers that all meet in one place of what was seen.
   constexpr std::uint32_t kApart = 1024;
-  const HugePageVector<WideNode> nodes(1, [] {
-    WideNode node{};
-    node.lane_count = kLaneCount;
-    return node;
-  }());
-  HugePageVector<TrianglePacket> packets(kLaneCount);
+  Collapse::Layout layout;
+  layout.nodes.push_back({{}, 0, 0, 0, 0, kLaneCount});
   HugePageVector<Corners> corners;
-  for (std::uint32_t packet = 0; packet < kLaneCount; ++packet) {
-    packets[packet].first_leaf = packet * kLaneCount;
-    packets[packet].lane_count = kLaneCount;
-    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
-      const auto first = static_cast<std::uint32_t>(3 * corners.size());
-      corners.push_back({VertexId{first * kApart}, VertexId{(first + 1) * kApart},
-                         VertexId{(first + 2) * kApart}});
-    }
+  for (std::uint32_t leaf = 0; leaf < kLaneCount * kLaneCount; ++leaf) {
+    if (leaf % kLaneCount == 0) layout.packets.push_back({leaf, leaf + kLaneCount, 0});
+    corners.push_back({VertexId{3 * leaf * kApart}, VertexId{(3 * leaf + 1) * kApart},
+                       VertexId{(3 * leaf + 2) * kApart}});
   }
-  const VertexLists lists = listVertices(nodes, packets, corners);
+  const VertexLists lists = listVertices(layout, corners);
   ASSERT_EQ(lists.vertices.size(), 3U * kLaneCount * kLaneCount);
   EXPECT_EQ(lists.vertices.back(), corners.back()[2]);
   EXPECT_EQ(lists.corners.back()[2].back(), lists.vertices.size() - 1);

@@ -117,7 +117,7 @@ class WideTree {
   std::vector<NodePart> parts_;             // one node's after another's
   std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;      // of the nodes
-  std::vector<std::uint32_t> slots_;        // of each triangle: its packet * 8 + its lane
+  HugePageVector<std::uint32_t> slots_;     // of each triangle: its packet * 8 + its lane
   std::vector<Poles> poles_;                // of the nodes' splits, as slots
   std::vector<std::uint32_t> levels_;       // the first node of each
 };
