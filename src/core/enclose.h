@@ -13,6 +13,7 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-18F;
+
 struct LaneBox {
   LaneVector<float> low, high;
 

@@ -20,7 +20,8 @@ inline void fetchAll(const PlainMesh& mesh, const VertexId* begin, const VertexI
 /// Rounds them to their places.
 inline void place(const PlainMesh& mesh, const VertexId* begin, const VertexId* end,
                   VertexPlaces& places) {
-  const auto& [centre, scale] = mesh.frame;
+  const std::array<double, 3>& centre = mesh.frame.centre;
+  const double scale = mesh.frame.scale;
   VertexPlace* place = places.data();
 #if defined(__AVX__)
   using Four __attribute__((vector_size(32))) = double;

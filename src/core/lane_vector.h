@@ -81,8 +81,8 @@ inline LaneVector<float> gather(const Place& place) {
   const auto at = [&place](std::uint32_t i) { return *reinterpret_cast<const Four*>(place(i)); };
   LaneVector<float> lanes;
 #if defined(__AVX__)
-  const auto pair = [&at](std::uint32_t i) {  // from memory, where a shuffle would take a register
-    return __builtin_ia32_vinsertf128_ps256(__builtin_ia32_ps256_ps(at(i)), at(i + 4), 1);
+  const auto pair = [&at](std::uint32_t i) {
+    return __builtin_shufflevector(at(i), at(i + 4), 0, 1, 2, 3, 4, 5, 6, 7);
   };
   const auto p0 = pair(0), p1 = pair(1), p2 = pair(2), p3 = pair(3);
   const auto xy0 = __builtin_shufflevector(p0, p1, 0, 8, 1, 9, 4, 12, 5, 13);

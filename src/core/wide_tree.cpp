@@ -190,19 +190,15 @@ WideTree::Range WideTree::packetsOf(const Range& nodes) const {
   return {nodes_[nodes.begin].first_packet, last.first_packet + last.lane_count - last.node_count};
 }
 
-/// Side by side what is below some nodes of one level, neighbours together; a node above is left to
+/// Side by side what is below the nodes of a level, neighbours together; a node above is left to
 /// whoever is done with the last one below it.
 void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
-  const std::size_t wanted =
-      std::max(std::clamp<std::size_t>(packets_.size() / kPacketGrain, 1, kTasks),
-               packets_.size() / kTaskPackets);
-  std::size_t level = 0;
-  while (level + 1 < levels_.size() && nodesOn(level).size() < kTaskNodes * wanted) ++level;
-  const Range all = nodesOn(level);
-  const std::vector<std::uint32_t> begins = partsOf(all, wanted);
-  const std::size_t tasks = begins.size() - 1;
-  std::vector<HealthTally> tallies(all.begin + tasks);  // sums are to round the same each time
-  std::vector<std::atomic<std::uint32_t>> waits_for(all.begin);
+  const std::vector<std::uint32_t> begins = partsToFit();
+  const std::size_t count = begins.size() - 1;
+  const std::uint32_t above = begins.front();       // so many nodes
+  std::vector<HealthTally> tallies(above + count);  // sums are to round the same each time
+  std::vector<std::atomic<std::uint32_t>> waits_for(above);
+  for (std::uint32_t node = 0; node < above; ++node) waits_for[node] = nodes_[node].node_count;
   const auto fitOne = [&](std::uint32_t node) {
     tallies[node] = fill(mesh, {node, node + 1});
     enclose({node, node + 1}, fit);
@@ -210,26 +206,31 @@ void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
   const auto fitAbove = [&](std::uint32_t node) {
     while (node != 0 && --waits_for[parents_[node]] == 0) fitOne(node = parents_[node]);
   };
-  for (std::uint32_t node = 0; node < all.begin; ++node) waits_for[node] = nodes_[node].node_count;
-  forEachAlone(tasks + 1, [&](std::size_t i) {
-    if (i == tasks) {  // those above that have packets alone
-      for (std::uint32_t node = 0; node < all.begin; ++node) {
-        if (nodes_[node].node_count > 0) continue;
-        fitOne(node);
-        fitAbove(node);
-      }
+  forEachAlone(count + 1, [&](std::size_t part) {
+    if (part < count) {
+      tallies[above + part] = fitBelow(mesh, {begins[part], begins[part + 1]}, fit);
+      for (std::uint32_t node = begins[part]; node < begins[part + 1]; ++node) fitAbove(node);
       return;
     }
-    tallies[all.begin + i] = fitBelow(mesh, {begins[i], begins[i + 1]}, fit);
-    for (std::uint32_t node = begins[i]; node < begins[i + 1]; ++node) fitAbove(node);
+    for (std::uint32_t node = 0; node < above; ++node) {
+      if (nodes_[node].node_count > 0) continue;  // it waits for those
+      fitOne(node);
+      fitAbove(node);
+    }
   });
   tally_ = {};
   for (const HealthTally& tally : tallies) tally_.add(tally);
 }
 
-/// Where up to `wanted` parts of some nodes of one level begin, with as many triangles below each
-/// as may be; then their end.
-std::vector<std::uint32_t> WideTree::partsOf(const Range& nodes, std::size_t wanted) const {
+/// The nodes of one level in parts with about as many triangles below each: where these begin, then
+/// where the last one ends.
+std::vector<std::uint32_t> WideTree::partsToFit() const {
+  const std::size_t wanted =
+      std::max(std::clamp<std::size_t>(packets_.size() / kPacketGrain, 1, kTasks),
+               packets_.size() / kTaskPackets);
+  std::size_t level = 0;
+  while (level + 1 < levels_.size() && nodesOn(level).size() < kTaskNodes * wanted) ++level;
+  const Range nodes = nodesOn(level);
   std::size_t all = 0;
   for (std::uint32_t node = nodes.begin; node < nodes.end; ++node) all += guide_.sets[node].size();
   std::vector<std::uint32_t> begins = {nodes.begin};

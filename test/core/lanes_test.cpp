@@ -87,6 +87,12 @@ TEST(Lanes, AreFoldedRowByRow) {
   }
 }
 
+TYPED_TEST(LanesOf, AreMadeOneByOne) {
+  const auto lanes =
+      Lanes<TypeParam>::each([](int i) { return static_cast<TypeParam>(7 - 2 * i); });
+  for (std::uint32_t i = 0; i < kLanes; ++i) EXPECT_EQ(lanes[i], 7 - 2 * static_cast<int>(i));
+}
+
 TEST(Lanes, AreGatheredFromAnywhere) {
   VertexPlace places[kLanes];
   for (int i = 0; i < kLanes; ++i) {

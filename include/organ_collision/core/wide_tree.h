@@ -89,13 +89,13 @@ class WideTree {
   };
 
   Range nodesOn(std::size_t level) const;
-  std::vector<std::uint32_t> partsOf(const Range& nodes, std::size_t wanted) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
   Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
+  std::vector<std::uint32_t> partsToFit() const;
   HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
   HealthTally fill(const TriangleMesh& mesh, const Range& nodes);
   void keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
