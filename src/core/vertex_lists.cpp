@@ -10,7 +10,7 @@
 namespace organ_collision::core {
 namespace {
 
-constexpr std::size_t kGrain = 16;  // nodes that are worth a task
+constexpr std::size_t kListGrain = 16;  // nodes that are worth a task
 
 /// Numbers vertices in the order in which they are seen. It may forget some and number them once
 /// more: looking further would take a branch, which could not be foreseen.
@@ -57,7 +57,7 @@ VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Co
   VertexLists lists;
   lists.corners.resize(layout.packets.size());
   lists.firsts.assign(layout.nodes.size() + 1, 0);
-  forEach(layout.nodes.size(), kGrain, [&](std::size_t self) {
+  forEach(layout.nodes.size(), kListGrain, [&](std::size_t self) {
     Numbering numbering;
     std::uint32_t count = 0;
     forEachCorner(
@@ -71,7 +71,7 @@ VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Co
   });
   std::partial_sum(lists.firsts.begin(), lists.firsts.end(), lists.firsts.begin());
   lists.vertices.resize(lists.firsts.back());
-  forEach(layout.nodes.size(), kGrain, [&](std::size_t self) {
+  forEach(layout.nodes.size(), kListGrain, [&](std::size_t self) {
     VertexId* const vertices = lists.vertices.data() + lists.firsts[self];
     forEachCorner(layout, self, corners.data(),
                   [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane,

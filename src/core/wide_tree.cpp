@@ -199,23 +199,23 @@ void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
   std::vector<HealthTally> tallies(above + count);  // sums are to round the same each time
   std::vector<std::atomic<std::uint32_t>> waits_for(above);
   for (std::uint32_t node = 0; node < above; ++node) waits_for[node] = nodes_[node].node_count;
-  const auto fitOne = [&](std::uint32_t node) {
+  const auto settle = [&](std::uint32_t node) {
     tallies[node] = fill(mesh, {node, node + 1});
     enclose({node, node + 1}, fit);
   };
-  const auto fitAbove = [&](std::uint32_t node) {
-    while (node != 0 && --waits_for[parents_[node]] == 0) fitOne(node = parents_[node]);
+  const auto climb = [&](std::uint32_t node) {
+    while (node != 0 && --waits_for[parents_[node]] == 0) settle(node = parents_[node]);
   };
   forEachAlone(count + 1, [&](std::size_t part) {
     if (part < count) {
       tallies[above + part] = fitBelow(mesh, {begins[part], begins[part + 1]}, fit);
-      for (std::uint32_t node = begins[part]; node < begins[part + 1]; ++node) fitAbove(node);
+      for (std::uint32_t node = begins[part]; node < begins[part + 1]; ++node) climb(node);
       return;
     }
     for (std::uint32_t node = 0; node < above; ++node) {
       if (nodes_[node].node_count > 0) continue;  // it waits for those
-      fitOne(node);
-      fitAbove(node);
+      settle(node);
+      climb(node);
     }
   });
   tally_ = {};
