@@ -1,0 +1,332 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "convex/tool_proximity.h"
+#include "convex_shapes.h"
+#include "core/organs_and_tips.h"
+#include "io/primitive_mesh.h"
+#include "test_meshes.h"
+
+namespace organ_collision::convex {
+namespace {
+
+using core::Capsule;
+using core::CollisionMesh;
+using core::Points;
+using core::Proximity;
+using core::RigidMesh;
+using core::Shape;
+using core::Sphere;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::queryCount;
+
+constexpr double kDepth = 1e-4 * kSize;  // [m] how well EPA finds a depth
+constexpr double kRounding = 1e-14;      // [m] of coordinates of that size
+
+RigidMesh cylinder(double radius, double length, const Isometry3d& pose) {
+  return {std::make_shared<const CollisionMesh>(io::prismMesh(radius, length, 32)), pose, true};
+}
+
+TEST(HullProximity, OfTwoBoxesIsTheGapBetweenThem) {
+  const auto apart = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.25, 0, 2)));
+  EXPECT_NEAR(apart.distance, 1.0, kGjk);
+  EXPECT_NEAR(apart.normal.z(), 1.0, kGjk);
+  EXPECT_NEAR(apart.point_on_first.z(), 0.5, kGjk);
+  EXPECT_FALSE(apart.colliding);
+  EXPECT_TRUE(apart.colliding_certain);
+}
+
+TEST(HullProximity, OfTwoBoxesThatOverlapIsTheirDepth) {
+  const auto deep = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.0625, 0.03125, 0.75)));
+  EXPECT_NEAR(deep.distance, -0.25, kDepth);
+  EXPECT_NEAR(deep.normal.z(), 1.0, kDepth);
+  EXPECT_NEAR(deep.point_on_first.z(), 0.5, kDepth);
+  EXPECT_NEAR(deep.point_on_second.z(), 0.25, kDepth);
+  EXPECT_TRUE(deep.colliding);
+}
+
+TEST(HullProximity, TakesTheRadiusOfARoundShapeOff) {
+  const auto above = hullProximity(Capsule{{0, 0, 2}, {1, 0, 3}, 0.25}, box({1, 1, 1}));
+  EXPECT_NEAR(above.distance, 1.25, kGjk);
+  EXPECT_NEAR(above.point_on_first.z(), 1.75, kGjk);
+  EXPECT_NEAR(above.normal.z(), -1.0, kGjk);
+}
+
+TEST(HullProximity, OfShapesThatJustTouchIsACollision) {
+  const auto touching = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 0.75}, 0.25});
+
+  ASSERT_EQ(touching.distance, 0.0);
+  EXPECT_TRUE(touching.colliding);
+}
+
+TEST(HullProximity, TakesTheRadiusOfTheSecondOffItsOwnPoint) {
+  const auto below = hullProximity(box({1, 1, 1}), Sphere{{0, 0, 2}, 0.25});
+  EXPECT_NEAR(below.point_on_first.z(), 0.5, kGjk);
+  EXPECT_NEAR(below.point_on_second.z(), 1.75, kGjk);
+}
+
+TEST(HullProximity, FillsTheHollowOfAMeshThatIsNotConvex) {
+  // A corner of walls: two squares at a right angle. The hull holds what is between them.
+  const core::TriangleMesh walls({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}},
+                                 {test::corners(0, 1, 4), test::corners(0, 4, 3),
+                                  test::corners(0, 2, 5), test::corners(0, 5, 3)});
+  const RigidMesh hollow{std::make_shared<const CollisionMesh>(walls), Isometry3d::Identity(),
+                         true};
+  const Sphere between{{0.25, 0.25, 0.5}, 0.0625};
+  EXPECT_TRUE(hullProximity(hollow, between).colliding);
+  EXPECT_FALSE(core::proximity(hollow, between).colliding);
+}
+
+Shape randomConvex(std::mt19937& generator) {
+  const Isometry3d pose = test::randomPose(generator, 0.5);
+  const double size = std::ldexp(0.5 * kSize, -static_cast<int>(generator() % 4));
+  switch (generator() % 4) {
+    case 0:
+      return cylinder(0.25 * size, size, pose);
+    case 1:
+      return Sphere{pose.translation(), 0.5 * size};
+    case 2:
+      return Capsule{pose.translation(), pose * Vector3d(0, 0, size), 0.25 * size};
+    default:
+      return box({size, 0.5 * size, 0.25 * size}, pose);
+  }
+}
+
+TEST(HullProximity, AgreesWithTheTrianglesAndTheAnalyticAnswer) {
+  std::mt19937 generator(91);
+  std::size_t apart = 0;
+  const std::size_t count = queryCount(1500);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Shape first = randomConvex(generator);
+    const Shape second = randomConvex(generator);
+    const auto hulls = hullProximity(first, second);
+    const Proximity exact = core::proximity(first, second);
+    ASSERT_LE(hulls.lower_bound, hulls.upper_bound);
+    const bool meshes_overlap =
+        exact.colliding && !(core::roundShape(first) && core::roundShape(second));
+    if (meshes_overlap) {  // the triangles tell that, not how deep
+      ASSERT_LE(hulls.lower_bound, kRounding);
+      ASSERT_LE(hulls.distance, kGjk);
+      continue;
+    }
+    ++apart;
+    ASSERT_LE(hulls.lower_bound, exact.distance + kRounding);
+    ASSERT_GE(hulls.upper_bound, exact.distance - kGjk);
+    ASSERT_NEAR(hulls.distance, exact.distance, kGjk);
+    ASSERT_GE(hulls.lower_bound, exact.distance - kGjk);
+  }
+  EXPECT_GT(apart, count / 10);
+}
+
+/// So near that rounding hides on which side of touching they are.
+TEST(HullProximity, IsCertainThatNothingCollidesOnlyWhereTheGapIsProven) {
+  std::mt19937 generator(95);
+  std::size_t uncertain = 0;
+  for (int i = 0; i < 500; ++i) {  // it takes so many to meet some
+    const Shape first = randomConvex(generator);
+    Shape second = randomConvex(generator);
+    for (const double gap : {1e-8, 1e-16, 0.0}) {
+      const auto found = hullProximity(first, second);
+      if (found.colliding) break;
+      ASSERT_EQ(found.colliding_certain, found.lower_bound > 0.0);
+      if (!found.colliding_certain) ++uncertain;
+      const Vector3d closer = (gap - found.distance) * found.normal;
+      second = core::transformed(second, Isometry3d(Eigen::Translation3d(closer)));
+    }
+  }
+  EXPECT_GT(uncertain, 0U);
+}
+
+/// Of boxes, the largest gap along any of the 15 normals that may separate them.
+double gapOfBoxes(const Vector3d& size, const Isometry3d& first, const Isometry3d& second) {
+  std::vector<Vector3d> normals;
+  for (int i = 0; i < 3; ++i) {
+    normals.insert(normals.end(), {first.linear().col(i), second.linear().col(i)});
+    for (int k = 0; k < 3; ++k)
+      normals.emplace_back(first.linear().col(i).cross(second.linear().col(k)).normalized());
+  }
+  double gap = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& normal : normals) {
+    const double reach = 0.5 * ((first.linear().transpose() * normal).cwiseAbs().dot(size) +
+                                (second.linear().transpose() * normal).cwiseAbs().dot(size));
+    gap = std::max(gap, std::abs(normal.dot(second.translation() - first.translation())) - reach);
+  }
+  return gap;
+}
+
+TEST(HullProximity, OfBoxesThatOverlapIsTheLeastDepthOfAll) {
+  std::mt19937 generator(96);
+  const Vector3d size(1.0, 0.5, 0.25);
+  std::size_t overlaps = 0;
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d first = test::randomPose(generator, 0.3);
+    const Isometry3d second = test::randomPose(generator, 0.3);
+    const double gap = gapOfBoxes(size, first, second);
+    if (gap >= 0.0) continue;
+    ++overlaps;
+    const Proximity found = hullProximity(box(size, first), box(size, second));
+    ASSERT_NEAR(found.distance, gap, kTight);
+    ASSERT_NEAR(found.lower_bound, gap, kTight);
+    ASSERT_NEAR(found.normal.dot(found.point_on_second - found.point_on_first), gap, kTight);
+  }
+  EXPECT_GT(overlaps, queryCount(1000) / 10);
+}
+
+/// Where GJK and EPA know no normal any more.
+TEST(HullProximity, IsAsGoodWhereHullsAllButTouch) {
+  std::mt19937 generator(97);
+  const Vector3d size(0.25, 0.5, 1.0);
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d pose =
+        generator() % 3 == 0 ? Isometry3d::Identity() : test::randomPose(generator, 0.5);
+    const int axis = static_cast<int>(generator() % 3);
+    Vector3d at = 0.4375 * test::randomPoint(generator, 1.0).cwiseProduct(size);
+    const double aside =
+        generator() % 5 == 0 ? 0.0 : std::ldexp(1.0, -20 - static_cast<int>(generator() % 35));
+    const double gap = generator() % 2 == 0 ? aside : -aside;
+    at[axis] = 0.5 * size[axis] + gap;
+    const Vector3d out = pose.linear().col(axis);
+    const Proximity round = hullProximity(box(size, pose), Sphere{pose * at, 0.0625});
+    ASSERT_LE(round.lower_bound, gap - 0.0625 + kRounding);
+    ASSERT_GE(round.lower_bound, gap - 0.0625 - kTight);
+    ASSERT_NEAR(round.upper_bound, gap - 0.0625, kTight);
+    ASSERT_NEAR((round.normal - out).norm(), 0.0, kGjk);
+    at[axis] += 0.5 * size[axis];
+    const Proximity stacked =
+        hullProximity(box(size, pose), box(size, pose * Eigen::Translation3d(at)));
+    ASSERT_LE(stacked.lower_bound, gap + kRounding);
+    ASSERT_GE(stacked.lower_bound, gap - kTight);
+    ASSERT_NEAR(stacked.upper_bound, gap, kTight);
+    ASSERT_NEAR((stacked.normal - out).norm(), 0.0, kGjk);
+  }
+}
+
+TEST(HullProximity, OfCrossingShaftsFollowsThemThroughTheTouch) {
+  const Isometry3d turned = at(0, 0, 0) * Eigen::AngleAxisd(1.25, Vector3d(1, 0, 0));
+  const RigidMesh shaft = cylinder(0.0078125, 1.0, Isometry3d::Identity());
+  for (int i = -300; i < 300; ++i) {
+    const double apart = 0.015625 + 1e-8 * i;
+    const Proximity found =
+        hullProximity(shaft, cylinder(0.0078125, 1.0, at(apart, 0, 0) * turned));
+    ASSERT_NEAR(found.distance, 1e-8 * i, kTight);
+    ASSERT_NEAR(found.lower_bound, 1e-8 * i, kTight);
+  }
+}
+
+/// Some points of a plane, the first in the middle.
+RigidMesh polygon(std::mt19937& generator, const Isometry3d& pose, std::size_t count) {
+  Points points = {Vector3d::Zero()};
+  std::vector<core::Corners> triangles;
+  for (std::size_t i = 1; i <= count; ++i) {
+    points.push_back(0.5 * test::randomPoint(generator, 1.0).cwiseProduct(Vector3d(1, 1, 0)));
+    triangles.push_back(test::corners(0, i, i % count + 1));
+  }
+  return {std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)), pose, true};
+}
+
+TEST(HullProximity, OfPolygonsInOnePlaneIsThatTheyTouch) {
+  std::mt19937 generator(99);
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    const Isometry3d pose = test::randomPose(generator, 0.5);
+    const Isometry3d aside = pose * Eigen::Translation3d(0.25, 0, 0);
+    const RigidMesh first = polygon(generator, pose, 3 + generator() % 18);
+    const Proximity found = hullProximity(first, polygon(generator, aside, 3 + generator() % 18));
+    ASSERT_GE(found.upper_bound, -kTight);
+    ASSERT_LE(found.lower_bound, found.upper_bound);
+    const Proximity same = hullProximity(first, polygon(generator, pose, 3 + generator() % 18));
+    ASSERT_NEAR(same.lower_bound, 0.0, kTight);  // the middles meet
+    ASSERT_NEAR(same.upper_bound, 0.0, kTight);
+  }
+}
+
+TEST(HullProximity, OfFlatHullsInOnePlaneIsThatTheyTouch) {
+  std::mt19937 generator(98);
+  const auto flat = [](const Isometry3d& pose, const Vector3d& corner) {
+    const core::TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, corner}, {test::corners(0, 1, 2)});
+    return RigidMesh{std::make_shared<const CollisionMesh>(mesh), pose, true};
+  };
+  for (std::size_t i = 0; i < queryCount(200); ++i) {
+    const Isometry3d pose = test::randomPose(generator, 0.5);
+    for (const Vector3d& corner : {Vector3d(0, 1, 0), Vector3d(0.5, 0, 0), Vector3d(0, 0, 0)}) {
+      for (const Shape& other :
+           {Shape(flat(pose, {0.25, 0.5, 0})), Shape(Sphere{pose * Vector3d(0, 0, 0), 0}),
+            Shape(Capsule{pose * Vector3d(-1, 0, 0), pose * Vector3d(1, 0, 0), 0})}) {
+        const Proximity found = hullProximity(flat(pose, corner), other);
+        ASSERT_NEAR(found.lower_bound, 0.0, kTight);
+        ASSERT_NEAR(found.upper_bound, 0.0, kTight);
+      }
+    }
+  }
+}
+
+TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
+  std::mt19937 generator(92);
+  for (std::size_t i = 0; i < queryCount(500); ++i) {
+    const Shape first = randomConvex(generator);
+    const Shape second = randomConvex(generator);
+    const auto there = hullProximity(first, second);
+    const auto back = hullProximity(second, first);
+    ASSERT_NEAR(there.distance, back.distance, kDepth);
+    if (there.distance < 0.01 * kSize) continue;  // overlapping: there may be two ways out
+    ASSERT_NEAR((there.normal + back.normal).norm(), 0.0,
+                1e-2);  // kGjk over the distance, its root
+  }
+}
+
+Isometry3d posed(const Eigen::Matrix<double, 3, 4>& rows) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.matrix().topRows<3>() = rows;
+  return pose;
+}
+
+/// Of a hundred thousand random pairs those for which FCL's GJK and its EPA ended too early.
+TEST(HullProximity, IsProvenWhereGjkAndEpaEndTooEarly) {
+  Eigen::Matrix<double, 3, 4> first;
+  first << -0.23914759348103798, 0.3166256288477603, 0.91790884062034661, -0.28621546931968611,
+      0.9708923176991886, 0.065039990793976599, 0.23051660901162385, -0.49576562475062175,
+      0.013286683744501926, 0.94631813400900244, -0.32296354791337306, 0.13764815501427308;
+  Eigen::Matrix<double, 3, 4> second;
+  second << -0.057851523840735664, 0.89233280931477543, 0.44765540163132778, -0.15895694156982604,
+      0.51043224646793217, 0.41180297111786379, -0.75490213587206134, 0.025696316443356459,
+      -0.85796976808918213, 0.1848255133873582, -0.47929886985689263, -0.16962131419822163;
+  Eigen::Matrix<double, 3, 4> third;
+  third << 0.97552888639128754, 0.020101838903566278, -0.21895046903094223, -0.055933007837591642,
+      -0.027238084016208298, 0.99918995253680321, -0.029623057381487329, 0.47829317679353167,
+      0.21817763083162423, 0.034861939449720554, 0.97528619726852672, -0.27827742789039811;
+  const Capsule through{{-0.041658367850324896, 0.45287476391606052, -0.31066301461764434},
+                        {0.13950724686418486, 0.31072036448364032, -0.2133431976885023},
+                        0.0625};
+  const std::vector<std::pair<Shape, Shape>> pairs = {
+      {cylinder(0.125, 0.5, posed(first)), cylinder(0.125, 0.5, posed(second))},
+      {through, box({0.25, 0.125, 0.0625}, posed(third))}};
+  for (const auto& [one, other] : pairs) {
+    for (const auto& found : {hullProximity(one, other), hullProximity(other, one)}) {
+      EXPECT_NEAR(found.lower_bound, found.upper_bound, kGjk);
+    }
+  }
+}
+
+TEST(HullProximity, DependsOnNoSize) {
+  std::mt19937 generator(93);
+  for (const double scale : {0x1p-20, 0x1p20}) {
+    const auto small = hullProximity(
+        box(scale * Vector3d(1, 2, 3)),
+        Capsule{scale * Vector3d(4, 1, 0.5), scale * Vector3d(4, 2, 3), scale * 0.25});
+    const auto usual = hullProximity(box({1, 2, 3}), Capsule{{4, 1, 0.5}, {4, 2, 3}, 0.25});
+    const auto small_deep =
+        hullProximity(box(scale * Vector3d(3, 3, 3)), Sphere{scale * Vector3d(0, 0.1, 1), scale});
+    EXPECT_NEAR(small_deep.distance, -1.5 * scale, kDepth * scale);
+    EXPECT_EQ(small.distance, scale * usual.distance);
+    EXPECT_EQ(small.lower_bound, scale * usual.lower_bound);
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::convex
