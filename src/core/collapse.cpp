@@ -2,9 +2,7 @@
 
 #include <tbb/parallel_for_each.h>
 
-#include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "core/for_each.h"
 #include "core/kernels.h"

@@ -98,6 +98,7 @@ void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
   if (isPerhapsFlat()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
   health_ = healthOf(*topology_, box, tally, parted_corners_);
+  box_is_stale_ = false;
 }
 
 void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& positions) {
@@ -108,14 +109,14 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
     parted_corners_ -= partedCorners(touched, mesh_, *topology_);
   }
-  const bool on_face = std::any_of(moved.begin(), moved.end(), [this](VertexId vertex) {
-    return isOnFace(mesh_.position(vertex), health_.box);
-  });
+  box_is_stale_ = box_is_stale_ || std::any_of(moved.begin(), moved.end(), [this](VertexId vertex) {
+                    return isOnFace(mesh_.position(vertex), health_.box);
+                  });
   mesh_.move(moved, positions);
   positions_number_ = freshNumber();
   if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
-  Box box = on_face ? boxOf(mesh_) : health_.box;
+  Box box = box_is_stale_ ? boxOf(mesh_) : health_.box;
   if (mesh_.usesAllVertices()) {
     for (const VertexId vertex : moved) box.add(mesh_.position(vertex));
   } else {

@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <numeric>
 #include <tuple>
 
 #include "core/few_points.h"
 #include "core/for_each.h"
 #include "core/kernels.h"
-#include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/farthest_pair.h"
 #include "organ_collision/core/huge_pages.h"
 

@@ -23,6 +23,9 @@ using Set = FarthestPairTree::Set;
 // is below 2^-18.5 * r * sqrt(s). Squared together with a further term it is below kSquareRounding
 // times r^2*s, and four times that term's square.
 
+/// Farther away, squares could overflow in single precision: then the mesh decides all.
+constexpr float kFarthest = 0x1p60F;
+
 /// By the poles of the mesh.
 bool isNearerToFirstPole(const CollisionMesh& organ, const Set& set, const Eigen::Vector3d& tip) {
   const auto squared_distance = [&](FarthestPairTree::Leaf pole) {
@@ -78,8 +81,9 @@ std::optional<FarthestPairTree::Leaf> descendExactly(const CollisionMesh& organ,
 
 GreedyPath greedySearch(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
   Descent descent = descentTo(organ, tip);
+  const bool is_far = !(descent.reach < kFarthest);
   const auto& descend = kernels().descend;
-  while (!descend(descent)) {
+  while (is_far || !descend(descent)) {
     if (const auto leaf = descendExactly(organ, tip, descent)) return {*leaf, descent.splits};
   }
   return {descent.leaf, descent.splits};

@@ -1,8 +1,9 @@
 #include "organ_collision/core/instrument.h"
 
-#include <cmath>
 #include <stdexcept>
 #include <string>
+
+#include "core/rigid_pose.h"
 
 namespace organ_collision::core {
 namespace {
@@ -48,6 +49,7 @@ void requireUsableMesh(const RigidMesh& mesh) {
   if (!mesh.surface) throw std::invalid_argument("a mesh shape has no surface");
   if (!mesh.pose.matrix().allFinite())
     throw std::invalid_argument("a mesh shape has a pose that is not finite");
+  requireRigid(mesh.pose);
 }
 
 }  // namespace

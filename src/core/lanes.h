@@ -133,13 +133,18 @@ struct Lanes {
     }
     return result;
   }
-  /// As they are in memory.
+  /// As they are in memory. Part by part: gcc copies what is larger than a vector in smaller pieces,
+  /// through memory.
   static Lanes copy(const Real* values) {
     Lanes result;
-    __builtin_memcpy(result.part, values, sizeof(result.part));
+    for (int i = 0; i < kParts; ++i)
+      __builtin_memcpy(&result.part[i], values + std::ptrdiff_t{i} * kPartLanes, sizeof(Numbers));
     return result;
   }
-  void store(Real* values) const { __builtin_memcpy(values, part, sizeof(part)); }
+  void store(Real* values) const {
+    for (int i = 0; i < kParts; ++i)
+      __builtin_memcpy(values + std::ptrdiff_t{i} * kPartLanes, &part[i], sizeof(Numbers));
+  }
   Real operator[](std::uint32_t lane) const { return part[lane / kPartLanes][lane % kPartLanes]; }
 };
 

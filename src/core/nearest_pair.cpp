@@ -1,11 +1,9 @@
 #include "organ_collision/core/nearest_pair.h"
 
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include "core/nearest_pair_search.h"
+#include "core/rigid_pose.h"
 #include "organ_collision/core/nearest_triangle.h"
 
 namespace organ_collision::core {
@@ -13,19 +11,6 @@ namespace organ_collision::core {
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-double stretchOf(const Matrix3d& linear) {
-  return (linear.transpose() * linear - Matrix3d::Identity()).norm();
-}
-
-void requireRigid(const Isometry3d& pose) {
-  constexpr double kMost = 0x1p-4;  // more than tf lets pass
-  const double stretch = stretchOf(pose.linear());
-  if (!(stretch <= kMost))
-    throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
-                                ": it must be rigid");
-  requireUsable(pose.translation(), "translation", 0);
-}
 
 double poseRounding(const CollisionMesh& first, const Isometry3d& second_from_first,
                     const CollisionMesh& second) {

@@ -10,6 +10,7 @@
 #include "core/greedy_search.h"
 #include "core/kernels.h"
 #include "core/nearest_search.h"
+#include "core/rigid_pose.h"
 #include "organ_collision/core/nearest_pair.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
@@ -17,12 +18,6 @@
 // A search for the nearest triangles of two surfaces, between the kernels, which know no organ, and
 // the public functions.
 namespace organ_collision::core {
-
-/// How far a matrix is from a rotation: it changes squared lengths by this part of them at most.
-double stretchOf(const Eigen::Matrix3d& linear);
-
-/// Throws std::invalid_argument unless the pose is.
-void requireRigid(const Eigen::Isometry3d& pose);
 
 /// [m] How far a corner of the first surface, moved by the pose or back, may be from where it is.
 double poseRounding(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,

@@ -7,6 +7,7 @@
 
 #include "core/mesh_state.h"
 #include "core/nearest_pair_search.h"
+#include "core/rigid_pose.h"
 
 namespace organ_collision::core {
 

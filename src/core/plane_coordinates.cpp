@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "organ_collision/core/closest_point.h"
-
 namespace organ_collision::core {
 namespace {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "organ_collision/core/closest_point.h"
+#include "organ_collision/core/triangle.h"
 
 namespace organ_collision::core {
 

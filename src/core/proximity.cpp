@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/plane_coordinates.h"
 #include "organ_collision/core/contact.h"

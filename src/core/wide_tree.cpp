@@ -1,7 +1,6 @@
 #include "organ_collision/core/wide_tree.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -1,6 +1,5 @@
 #include "organ_collision/io/robot_geometry.h"
 
-#include <cmath>
 #include <memory>
 #include <sstream>
 #include <stdexcept>

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include "bytes.h"
 #include "sandbox.h"

@@ -174,6 +174,8 @@ std::string readAnswer(const std::string& what, int pipe, const ChildLimits& lim
       refuse(what, "took longer than " + seconds.str() + " s");
     }
     const ssize_t count = ::read(pipe, block.data(), block.size());
+    if (count < 0 && errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), "read");
     if (count == 0) return answer;
     if (count > 0) answer.append(block.data(), static_cast<std::size_t>(count));
   }

@@ -126,14 +126,15 @@ CollisionNode::~CollisionNode() {
 void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
   const core::Accuracy accuracy = {wanted.max_relative_error, wanted.max_absolute_error,
                                    static_cast<std::uint32_t>(wanted.max_leaves)};
-  const std::lock_guard<std::mutex> lock(mutex_);
   try {
     core::requireUsable(accuracy);
-    accuracy_ = accuracy;
   } catch (const std::invalid_argument& error) {
     ROS_ERROR("refused to be reconfigured: %s", error.what());
-    wanted = toConfig(accuracy_);
+    wanted = toConfig(this->accuracy());
+    return;
   }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  accuracy_ = accuracy;
 }
 
 void CollisionNode::hearTf(const std::string& topic, bool is_static) {

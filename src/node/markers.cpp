@@ -1,6 +1,5 @@
 #include "node/markers.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -131,16 +130,17 @@ Marker edgesMarker(const Organ& organ, const core::CollisionMesh& mesh) {
   Marker edges = marker(organ.frame(), "edges_of_" + organ.name(), 0, Marker::LINE_LIST,
                         colour(0.15, 0.03, 0.03));
   edges.scale.x = kEdgeWidth;
+  // Then each edge is drawn in one sense, by the triangle that has it in that sense.
+  const bool has_both_senses = mesh.topology().closed() && mesh.topology().consistentlyWound();
   for (std::size_t i = 0; i < mesh.mesh().triangleCount(); ++i) {
     const auto id = static_cast<core::TriangleId>(i);
     const Eigen::Vector3d lift = 0.3 * kLift * core::pseudonormal(mesh, id, core::Feature::kFace);
     const auto corners = liftedCorners(mesh, id, lift);
     const core::Corners& vertices = mesh.mesh().corners(id);
+    const auto weld = [&](std::size_t corner) { return mesh.topology().weld(vertices[corner]); };
     for (const std::size_t from : {0, 1, 2}) {
       const std::size_t to = (from + 1) % 3;
-      // Its neighbour draws the other half of the edges; a border drawn in one sense only may miss
-      // some.
-      if (vertices[from] < vertices[to] || !mesh.health().closed) {
+      if (weld(from) < weld(to) || !has_both_senses) {
         edges.points.push_back(corners[from]);
         edges.points.push_back(corners[to]);
       }

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <future>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 

@@ -4,10 +4,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <future>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 
 #include "node/background_thread.h"

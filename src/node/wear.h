@@ -31,7 +31,7 @@ class RecentQuestions {
   std::optional<Asked> take();
 
  private:
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   Asked asked_;
 };
 

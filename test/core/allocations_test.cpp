@@ -245,15 +245,17 @@ TEST(OutOfMemory, LeavesAMeshThatIsToBeRebuiltAsItWas) {
 TEST(OutOfMemory, LeavesAMeshThatARefitPutsRightWhenItIsRepeated) {
   const CollisionMesh organ(test::blob(3));
   CollisionMesh expected = organ;
-  const std::vector<VertexId> moved = {VertexId{0}, VertexId{7}};
-  const Points positions = {1.1 * organ.mesh().position(moved[0]),
-                            0.9 * organ.mesh().position(moved[1])};
+  const std::vector<VertexId> moved = {VertexId{0}, VertexId{7}};  // the first is on the box
+  const Points positions = {0.9 * organ.mesh().position(moved[0]),
+                            1.1 * organ.mesh().position(moved[1])};
   expected.refit(moved, positions);
   const auto refit = [&](CollisionMesh& mesh) { mesh.refit(moved, positions); };
   EXPECT_GT(failuresSurvived([&] { return organ; }, refit,
                              [&](CollisionMesh& mesh) {
                                refit(mesh);
                                expectDistancesOf(mesh, expected);
+                               EXPECT_EQ(mesh.health().box.low, expected.health().box.low);
+                               EXPECT_EQ(mesh.health().box.high, expected.health().box.high);
                              }),
             0);
 }

@@ -147,7 +147,22 @@ TEST(OrganMarkers, HaveEveryEdgeOfAnOpenMesh) {
     EXPECT_THAT(edgesOf(grid).distinct, SizeIs(5));
 }
 
-TEST(OrganMarkers, HaveEveryEdgeOfAClosedMeshOnce) { EXPECT_EQ(edgesOf(test::cube()).lines, 18U); }
+/// The same triangles, none of which share a vertex.
+core::TriangleMesh split(const core::TriangleMesh& mesh) {
+  core::Points positions;
+  std::vector<core::Corners> triangles;
+  for (const core::Corners& corners : mesh.triangles()) {
+    const std::size_t first = positions.size();
+    for (const core::VertexId corner : corners) positions.push_back(mesh.position(corner));
+    triangles.push_back(test::corners(first, first + 1, first + 2));
+  }
+  return {positions, triangles};
+}
+
+TEST(OrganMarkers, HaveEveryEdgeOfAClosedMeshOnce) {
+  EXPECT_EQ(edgesOf(test::cube()).lines, 18U);
+  EXPECT_EQ(edgesOf(split(test::cube())).lines, 18U);
+}
 
 }  // namespace
 }  // namespace organ_collision::node

@@ -39,6 +39,13 @@ TEST(SequenceGaps, AreNoneInTheNumbersOfTwoRecordedPublishers) {
   EXPECT_EQ(lostIn({1000, 5, 1001, 6, 1002, 7}), 0U);
 }
 
+TEST(SequenceGaps, AreCountedOnAfterManyPublishersHaveComeAndGone) {
+  SequenceGaps gaps;
+  for (int i = 0; i < 1000; ++i) gaps.before("anonymous " + std::to_string(i), 1);
+  gaps.before("one", 1);
+  EXPECT_EQ(gaps.before("one", 4), 2U);
+}
+
 TEST(SequenceGaps, OfTensOfThousandsAreNoLoss) {
   EXPECT_EQ(lostIn({1, 9000}), 8998U);
   EXPECT_EQ(lostIn({1, 20000}), 0U);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <limits>
 
 #include "organ_collision/core/triangle.h"

@@ -48,7 +48,7 @@ Box boxOf(const Shape& shape);
 Box boxOf(const Shapes& shapes, const Eigen::Isometry3d& target_from_shapes);
 
 /// Throws std::invalid_argument unless all coordinates are usable (see requireUsable() of a
-/// position), the radius is finite and >= 0, and a mesh has a surface and a finite pose.
+/// position), the radius is finite and >= 0, and a mesh has a surface and a rigid pose.
 void requireUsable(const Shape& shape);
 
 /// A shape that is all points within `radius` of its core.
