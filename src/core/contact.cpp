@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "organ_collision/core/nearest_pair.h"
 
@@ -124,24 +123,21 @@ NearestTriangle nearestToShape(const Asker& asker, const Shape& shape, const Acc
   return inflated(nearestWithin(asker, round, accuracy), round);
 }
 
-/// An open organ has no inside, whatever is around it.
-NearestTriangle withoutSign(NearestTriangle nearest) {
-  nearest.distance_signed = false;
-  if (nearest.distance >= 0.0) return nearest;
-  nearest.distance = -nearest.distance;
-  nearest.lower_bound = -std::exchange(nearest.upper_bound, -nearest.lower_bound);
-  return nearest;
+/// A lower bound [m], also where the sign is not proven and the shape may be inside a solid organ.
+double deepestOf(const NearestTriangle& nearest, const Shape& shape) {
+  if (nearest.distance_signed) return nearest.lower_bound;
+  const auto round = roundShape(shape);
+  return -nearest.upper_bound - (round ? 2.0 * round->radius : 0.0);
 }
 
 Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {
   requireUsable(shape);
   const bool is_solid = asker.organ().health().isSolid();
-  const NearestTriangle nearest = nearestToShape(asker, shape, accuracy);
+  NearestTriangle nearest = nearestToShape(asker, shape, accuracy);
+  nearest.distance_signed = nearest.distance_signed && is_solid;  // or what is around it has one
   const bool colliding = nearest.distance <= 0.0;
   const bool knows_side = nearest.distance_signed || !is_solid;
-  const bool is_mesh = std::holds_alternative<RigidMesh>(shape);
-  return {is_mesh && !is_solid ? withoutSign(nearest) : nearest, colliding,
-          colliding || (nearest.lower_bound > 0.0 && knows_side)};
+  return {nearest, colliding, colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
 /// What overlaps is as near as can be: only a sign tells how deep.
@@ -162,6 +158,7 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
   bool all_certain = whole.colliding_certain;
   bool all_signed = whole.nearest.distance_signed;
   double lower_bound = whole.nearest.lower_bound;
+  double deepest = deepestOf(whole.nearest, shapes.front());
   SearchWork work = whole.nearest.work;
   for (std::size_t i = 1; i < shapes.size(); ++i) {
     const Contact piece = contactOf(asker(i), transformed(shapes[i], organ_from_shapes), accuracy);
@@ -169,13 +166,17 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
     all_certain = all_certain && piece.colliding_certain;
     all_signed = all_signed && piece.nearest.distance_signed;
     lower_bound = std::min(lower_bound, piece.nearest.lower_bound);
+    deepest = std::min(deepest, deepestOf(piece.nearest, shapes[i]));
     work.bounds += piece.nearest.work.bounds;
     work.triangles += piece.nearest.work.triangles;
     if (piece.nearest.distance < whole.nearest.distance) whole = piece;
   }
+  whole.nearest.lower_bound = lower_bound;
   const bool perhaps_deeper = whole.colliding && whole.nearest.distance_signed && !all_signed;
-  whole.nearest.lower_bound =
-      perhaps_deeper ? -std::numeric_limits<double>::infinity() : lower_bound;
+  if (perhaps_deeper) {
+    whole.nearest.lower_bound = deepest;
+    whole.nearest.distance = whole.nearest.upper_bound;
+  }
   whole.nearest.distance_signed = whole.nearest.distance_signed && (all_signed || whole.colliding);
   whole.nearest.work = work;
   whole.colliding = any_colliding;

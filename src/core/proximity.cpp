@@ -45,6 +45,14 @@ Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {
           {}};
 }
 
+/// Where one of the two is solid and no sign is proven, the other may be as deep in it as it may be
+/// near.
+NearestTriangle perhapsInside(NearestTriangle nearest, double radius, bool is_any_solid) {
+  if (is_any_solid && !nearest.distance_signed)
+    nearest.lower_bound = -nearest.upper_bound - 2.0 * radius;
+  return nearest;
+}
+
 /// `nearest` is of the second, a mesh; `radius` has been taken off it.
 Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_certain,
                  const Isometry3d& frame_from_mesh) {
@@ -62,12 +70,16 @@ Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_c
 Proximity roundToMesh(const Shape& round, const RigidMesh& mesh, const Accuracy& accuracy) {
   const Contact found = contact(
       *mesh.surface, transformed(round, Isometry3d(mesh.pose.inverse(Eigen::Affine))), accuracy);
-  return toMesh(found.nearest, roundShape(round)->radius, found.colliding_certain, mesh.pose);
+  const double radius = roundShape(round)->radius;
+  return toMesh(perhapsInside(found.nearest, radius, mesh.surface->health().isSolid()), radius,
+                found.colliding_certain, mesh.pose);
 }
 
-Proximity betweenMeshes(const RigidMesh& second, const NearestPair& pair) {
-  const bool certain = pair.nearest.distance <= 0.0 || pair.nearest.lower_bound > 0.0;
-  Proximity proximity = toMesh(pair.nearest, 0.0, certain, second.pose);
+Proximity betweenMeshes(const RigidMesh& first, const RigidMesh& second, const NearestPair& pair) {
+  const NearestTriangle nearest = perhapsInside(
+      pair.nearest, 0.0, first.surface->health().isSolid() || second.surface->health().isSolid());
+  const bool certain = nearest.distance <= 0.0 || nearest.lower_bound > 0.0;
+  Proximity proximity = toMesh(nearest, 0.0, certain, second.pose);
   proximity.triangle_of_first = pair.triangle_of_first;
   return proximity;
 }
@@ -82,7 +94,7 @@ Proximity between(const Shape& first, const Shape& second, const Accuracy& accur
   const auto* second_mesh = std::get_if<RigidMesh>(&second);
   if (first_mesh != nullptr && second_mesh != nullptr) {
     return betweenMeshes(
-        *second_mesh,
+        *first_mesh, *second_mesh,
         nearest_pair(*first_mesh, second_mesh->pose.inverse(Eigen::Affine) * first_mesh->pose,
                      *second_mesh));
   }

@@ -16,7 +16,7 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr double kHeartbeat = 0.1;          // [s] longest time between two ContactArrays
+constexpr double kHeartbeat = 0.099;        // [s] without news: 10 times a second, and time to wake
 constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
 constexpr double kCatchUp = 0.1;            // [s] of poses that came together are answered at once
 constexpr double kFarthestBehind = 0.2;     // [s] then poses are left out

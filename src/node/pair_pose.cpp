@@ -21,6 +21,12 @@ bool isOfNow(const FramePose& pose, const ros::Time& now, double stale_after) {
   return std::abs(ageOf(pose, now).toSec()) <= stale_after;
 }
 
+/// What is static has no stamp to tell by.
+bool differ(const std::optional<FramePose>& known, const FramePose& pose) {
+  return !known || known->stamp != pose.stamp ||
+         known->target_from_source.matrix() != pose.target_from_source.matrix();
+}
+
 /// The frame, the one it is told in, and so on.
 std::vector<std::string> ancestry(const tf2::BufferCore& buffer, const std::string& frame) {
   constexpr std::size_t kMostFrames = 100;  // some may run in a circle
@@ -59,19 +65,20 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
   const FrameLookup first = lookUpFrame(buffer, frames_.second, frames_.first);
   reason_ = first.reason;
   if (!first.pose) return false;
-  // What is static has no stamp to tell by.
-  const bool moved =
-      !second_from_first_ || second_from_first_->stamp != first.pose->stamp ||
-      second_from_first_->target_from_source.matrix() != first.pose->target_from_source.matrix();
+  const bool was_known = isKnown();
+  const bool moved = differ(second_from_first_, *first.pose);
   second_from_first_ = first.pose;
   const ros::Time& stamp = first.pose->stamp;
   FrameLookup scene = lookUpFrame(buffer, frames_.scene, frames_.second, stamp);
   // A pose that was told before stays where it was told, also when tf forgets that time.
-  if (!scene.pose && isKnown() && !moved && !stamp.isZero()) return false;
+  if (!scene.pose && was_known && !moved && !stamp.isZero()) return false;
   if (!scene.pose) scene = lookUpFrame(buffer, frames_.scene, frames_.second);
-  if (scene.pose) scene_from_second_ = scene.pose;
   reason_ = scene.reason;
-  return moved;
+  if (!scene.pose) return moved;
+  // A pose that changes is answered when it does; one that is static, whenever the scene's does.
+  const bool seen_anew = !was_known || (stamp.isZero() && differ(scene_from_second_, *scene.pose));
+  scene_from_second_ = scene.pose;
+  return moved || seen_anew;
 }
 
 ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }

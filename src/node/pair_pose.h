@@ -27,7 +27,8 @@ class PairPose {
  public:
   explicit PairPose(PairFrames frames) : frames_(std::move(frames)) {}
 
-  /// Asks tf; true if the first has moved against the second since the last time.
+  /// Asks tf; true if the first has moved against the second since the last time, or is static and
+  /// both have in the scene, or tf has told both for the first time.
   bool lookUp(const tf2::BufferCore& buffer);
 
   /// tf has told both at least once.

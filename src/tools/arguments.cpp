@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <regex>
 #include <sstream>
+#include <system_error>
 
 namespace organ_collision::tools {
 namespace {
@@ -11,6 +15,32 @@ namespace {
 [[noreturn]] void refuse(const std::string& option, const std::string& value,
                          const std::string& wanted) {
   throw UsageError(option + " " + value + ": " + wanted + " is wanted");
+}
+
+constexpr int kDeepestPackage = 16;  // folders below one of ROS_PACKAGE_PATH: links may go round
+
+/// What a package.xml says between <name> and </name>.
+std::string nameIn(const std::filesystem::path& package_xml) {
+  std::ifstream file(package_xml);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  static const std::regex name("<name>\\s*([^<\\s]*)\\s*</name>");
+  std::smatch match;
+  return std::regex_search(text, match, name) ? match[1].str() : "";
+}
+
+std::optional<std::filesystem::path> findPackageIn(const std::filesystem::path& folder,
+                                                   const std::string& package, int depth) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (depth == 0 || fs::exists(folder / "CATKIN_IGNORE", ignored)) return std::nullopt;
+  if (fs::exists(folder / "package.xml", ignored))
+    return nameIn(folder / "package.xml") == package ? std::optional(folder) : std::nullopt;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const bool is_hidden = entry.path().filename().string().front() == '.';
+    if (is_hidden || !entry.is_directory(ignored)) continue;
+    if (const auto found = findPackageIn(entry.path(), package, depth - 1)) return found;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -69,14 +99,8 @@ std::size_t Arguments::whole(const std::string& name, std::size_t otherwise) con
 std::optional<std::filesystem::path> findPackage(const std::string& package) {
   const char* path = std::getenv("ROS_PACKAGE_PATH");
   std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::filesystem::path root(folder);
-    for (const auto& candidate : {root / package, root}) {
-      if (candidate.filename() == package && std::filesystem::exists(candidate / "package.xml")) {
-        return candidate;
-      }
-    }
-  }
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (const auto found = findPackageIn(folder, package, kDeepestPackage)) return found;
   return std::nullopt;
 }
 

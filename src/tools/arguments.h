@@ -36,7 +36,8 @@ class Arguments {
   std::map<std::string, std::string> options_;
 };
 
-/// Where ROS_PACKAGE_PATH has `package`: one of its folders or a folder right below one.
+/// Where ROS_PACKAGE_PATH has a package of that name: one of its folders or one below. Not in
+/// packages, nor where a file CATKIN_IGNORE is.
 std::optional<std::filesystem::path> findPackage(const std::string& package);
 
 }  // namespace organ_collision::tools

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
@@ -245,7 +246,10 @@ TEST(OutOfMemory, LeavesAMeshThatIsToBeRebuiltAsItWas) {
 TEST(OutOfMemory, LeavesAMeshThatARefitPutsRightWhenItIsRepeated) {
   const CollisionMesh organ(test::blob(3));
   CollisionMesh expected = organ;
-  const std::vector<VertexId> moved = {VertexId{0}, VertexId{7}};  // the first is on the box
+  const Points& before = organ.mesh().positions();
+  const auto top = std::max_element(before.begin(), before.end(),
+                                    [](const auto& a, const auto& b) { return a.z() < b.z(); });
+  const std::vector<VertexId> moved = {static_cast<VertexId>(top - before.begin()), VertexId{7}};
   const Points positions = {0.9 * organ.mesh().position(moved[0]),
                             1.1 * organ.mesh().position(moved[1])};
   expected.refit(moved, positions);

@@ -146,9 +146,8 @@ TEST(Contact, OfAMeshAroundAnOpenSurfaceHasNoSignButCollides) {
   };
   const Contact within = contact(grid, around(4));
   EXPECT_FALSE(within.nearest.distance_signed);
-  EXPECT_EQ(within.nearest.distance, 2.5);
-  EXPECT_EQ(within.nearest.lower_bound, 2.5);
-  EXPECT_EQ(within.nearest.upper_bound, 2.5);
+  EXPECT_EQ(within.nearest.distance, 0.0);
+  EXPECT_TRUE(within.nearest.isExact());
   EXPECT_TRUE(within.colliding);
   const Contact crossing = contact(grid, around(1));
   EXPECT_FALSE(crossing.nearest.distance_signed);
@@ -156,7 +155,7 @@ TEST(Contact, OfAMeshAroundAnOpenSurfaceHasNoSignButCollides) {
   const Sphere beside{{2, 2, 0.75}, 0.5};
   const Contact both =
       contact(grid, Shapes{around(4), beside}, Eigen::Isometry3d::Identity(), Accuracy::exact());
-  EXPECT_EQ(both.nearest.distance, 0.25);
+  EXPECT_EQ(both.nearest.distance, 0.0);
   EXPECT_TRUE(both.colliding);
 }
 
@@ -233,21 +232,26 @@ TEST(Contact, OfSeveralPiecesIsThatOfTheNearest) {
   EXPECT_TRUE(contact(cube, shapes, Eigen::Isometry3d::Identity()).colliding);
 }
 
-TEST(Contact, OfSeveralPiecesHasNoLowerBoundWhereAnotherMayBeDeeper) {
+TEST(Contact, OfSeveralPiecesTellsTheDepthThatIsProvenWhereAnotherMayBeDeeper) {
   const CollisionMesh organ(test::blob(4));
   const Shape shallow = Vector3d(0, 0, 0.04);
-  const Shape deep = Vector3d(0.01, 0, 0);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-  std::size_t open = 0;
-  for (std::uint32_t leaves = 1; leaves < 1000; ++leaves) {
-    const Accuracy accuracy{0, 0, leaves};
-    if (!contact(organ, shallow, accuracy).nearest.distance_signed) continue;
-    if (contact(organ, deep, accuracy).nearest.distance_signed) continue;
-    ++open;
-    EXPECT_EQ(contact(organ, {shallow, deep}, here, accuracy).nearest.lower_bound,
-              -std::numeric_limits<double>::infinity());
+  for (const Shape& deep : {Shape(Vector3d(0.01, 0, 0)), Shape(Sphere{{0.01, 0, 0}, 0.03})}) {
+    const double exact = contact(organ, {shallow, deep}, here).nearest.distance;
+    std::size_t open = 0;
+    for (std::uint32_t leaves = 1; leaves < 1000; ++leaves) {
+      const Accuracy accuracy{0, 0, leaves};
+      if (!contact(organ, shallow, accuracy).nearest.distance_signed) continue;
+      if (contact(organ, deep, accuracy).nearest.distance_signed) continue;
+      ++open;
+      const NearestTriangle nearest = contact(organ, {shallow, deep}, here, accuracy).nearest;
+      EXPECT_TRUE(std::isfinite(nearest.lower_bound));
+      EXPECT_LE(nearest.lower_bound, exact);
+      EXPECT_GE(nearest.upper_bound, exact);
+      EXPECT_EQ(nearest.distance, nearest.upper_bound);
+    }
+    EXPECT_GT(open, 0U);
   }
-  EXPECT_GT(open, 0U);
 }
 
 TEST(Contact, OfSeveralPiecesIsCertainIfOneCollidesOrAllAreCertain) {

@@ -131,6 +131,39 @@ TEST(Proximity, OfMeshesIsUncertainWhereTheAccuracyDoesNotDecideIt) {
   EXPECT_GT(uncertain, 0U);
 }
 
+/// Solid and open meshes, one in the other or apart, and round shapes.
+TEST(Proximity, OfFewLeavesHasBoundsThatHoldWithTheSign) {
+  std::mt19937 generator(14);
+  const auto mesh = [&](const TriangleMesh& surface) {
+    return RigidMesh{std::make_shared<const CollisionMesh>(surface),
+                     test::randomPose(generator, 0.5), false};
+  };
+  const auto scaled = [](const TriangleMesh& surface, double scale) {
+    return test::placed(surface, scale, {0, 0, 0});
+  };
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < queryCount(100); ++i) {
+    const Vector3d place = test::randomPoint(generator, 1.0);
+    const std::vector<Shape> shapes = {
+        mesh(scaled(test::blob(4), 10.0)), mesh(scaled(test::blob(3), 2.0)),
+        mesh(scaled(test::grid(4, 4), 0.05)), place, Sphere{0.5 * place, 0.1}};
+    for (const Shape& first : shapes) {
+      for (const Shape& second : shapes) {
+        const Proximity exact = proximity(first, second);
+        inside += exact.distance < 0.0 ? 1 : 0;
+        for (const std::uint32_t leaves : {1U, 4U, 16U, 64U}) {
+          const Proximity found = proximity(first, second, {0, 0, leaves});
+          ASSERT_LE(found.lower_bound, exact.distance + kTolerance);
+          ASSERT_GE(found.upper_bound, exact.distance - kTolerance);
+          ASSERT_TRUE(found.distance == found.lower_bound || found.distance == found.upper_bound);
+          ASSERT_TRUE(found.colliding == exact.colliding || !found.colliding_certain);
+        }
+      }
+    }
+  }
+  EXPECT_GT(inside, 0U);
+}
+
 TEST(Proximity, RefusesWhatIsNotUsable) {
   const Shape point = Vector3d(0, 0, 0);
   const Shape unusable = Sphere{{0, 0, 0}, -1.0};

@@ -58,15 +58,22 @@ TEST(Arguments, RefusesNumbersThatAreNotWhole) {
 
 TEST(FindPackage, LooksInAndBelowTheFoldersOfThePackagePath) {
   const io::TemporaryFolder folder;
-  folder.write("source/liver/package.xml", "");
-  folder.write("other/stomach/package.xml", "");
+  const auto add_package = [&](const std::string& place, const std::string& name) {
+    folder.write(place + "/package.xml", "<package><name> " + name + "</name></package>");
+  };
+  add_package("source/repository/any_name", "liver");
+  add_package("source/repository/any_name/in_it", "hidden");
+  add_package("source/ignored/spleen", "spleen");
+  folder.write("source/ignored/CATKIN_IGNORE", "");
+  add_package("other/stomach", "stomach");
   folder.write("source/no_package/readme", "");
   const std::string path =
       (folder.path() / "source").string() + ":" + (folder.path() / "other/stomach").string();
   ::setenv("ROS_PACKAGE_PATH", path.c_str(), 1);
-  EXPECT_EQ(findPackage("liver"), folder.path() / "source/liver");
+  EXPECT_EQ(findPackage("liver"), folder.path() / "source/repository/any_name");
   EXPECT_EQ(findPackage("stomach"), folder.path() / "other/stomach");
-  EXPECT_EQ(findPackage("no_package"), std::nullopt);
+  for (const char* const name : {"no_package", "any_name", "hidden", "spleen"})
+    EXPECT_EQ(findPackage(name), std::nullopt) << name;
   ::unsetenv("ROS_PACKAGE_PATH");
   EXPECT_EQ(findPackage("liver"), std::nullopt);
 }

@@ -19,8 +19,8 @@ namespace organ_collision::core {
 /// point is deep in the shape.
 struct Contact {
   NearestTriangle nearest;
-  bool colliding;  ///< (also at a distance: a mesh around an open organ) instrument and organ (its
-                   ///< solid, or its surface where it is open) have a point in common
+  bool colliding;  ///< instrument and organ (its solid, or its surface where it is open) have a
+                   ///< point in common
   bool colliding_certain;  ///< false where the accuracy asked for does not decide it
 };
 
@@ -30,8 +30,8 @@ struct Contact {
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.
-/// If one piece is inside the organ and the accuracy leaves open whether another is deeper,
-/// lower_bound is -infinity. REQUIRES: at least one piece; the pose is rigid.
+/// If one piece is inside the organ and the accuracy leaves open whether another is deeper, distance
+/// is the depth that is proven, upper_bound. REQUIRES: at least one piece; the pose is rigid.
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,
                 const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
