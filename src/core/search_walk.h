@@ -50,8 +50,9 @@ class Walk {
   }
 
   /// Goes down to a packet the way of the paper's search, none of whose turns is proven, so that of
-  /// the rest little matters; where that search came already, to nearest boxes. The boxes are
-  /// measured on the way, where little else is to do. Returns the end of what was passed by.
+  /// the rest little matters; to nearest boxes where that search came already, and from a segment,
+  /// as it may be nearest far from its middle. The boxes are measured on the way, where little else
+  /// is to do. Returns the end of what was passed by.
   const PassedNode* dive() {
     const Vector<float> middle = nearest_.tip().middle();
     PassedNode* passed = search_.room.passed;
@@ -61,7 +62,7 @@ class Walk {
       const WideNode& node = search_.nodes[set];
       const auto seen = nearest_.tip().boxesSeenIn(node);
       const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
-      if (search_.sparing) next = setIn(node, nearestLane(node, seen, squares));
+      if (kCorners == 2 || search_.sparing) next = setIn(node, nearestLane(node, seen, squares));
       select(only(laneOf(node, next)), infinite<float>(), inFloats(squares))
           .store(passed->squares.data());
       passed->node = set;

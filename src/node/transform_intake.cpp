@@ -14,8 +14,8 @@ constexpr double kTolerance = 0.01;  // tf2's, of a rotation's squared length
 
 double squaredLength(const Quaternion& q) { return q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w; }
 
-/// Rotations are rounded on their way here: tf2 takes what is off by a percent for one, and then
-/// scales what it turns by as much.
+/// Rotations are rounded on their way here: tf2 takes what is off by half a percent for one, and
+/// then scales what it turns by twice as much.
 void normalize(Quaternion& rotation) {
   const double length = std::sqrt(squaredLength(rotation));
   for (double* part : {&rotation.x, &rotation.y, &rotation.z, &rotation.w}) *part /= length;

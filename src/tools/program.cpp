@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 
 #include "arguments.h"
 
@@ -16,6 +17,7 @@ int runProgram(const Program& program, const std::vector<std::string>& words, st
     } else {
       run(words);
     }
+    if (!out.flush()) throw std::runtime_error("its output could not be written");
     return 0;
   } catch (const UsageError& error) {
     errors << program.name << ": " << error.what() << "; --help shows how it is used" << std::endl;

@@ -136,6 +136,21 @@ TEST(NearestTriangle, OfAnOrganInOnePointIsThatPoint) {
   EXPECT_EQ(nearestTriangle(point, Eigen::Vector3d(1, 2, 3)).distance, 0.0);
 }
 
+/// Most of a shaft may be far from where it is nearest.
+TEST(NearestTriangle, OfAShaftThatPointsAtTheOrganIsFoundNearlyAsSoonAsOfItsEnd) {
+  const CollisionMesh organ(test::blob(6));
+  std::uint64_t of_end = 0;
+  std::uint64_t of_shaft = 0;
+  for (std::size_t i = 0; i < organ.mesh().positions().size(); i += 100) {
+    const Eigen::Vector3d& place = organ.mesh().positions()[i];
+    const Eigen::Vector3d end = 1.02 * place;
+    const Eigen::Vector3d handle = end + 0.2 * place.normalized();
+    of_end += nearestTriangle(organ, end).work.bounds;
+    of_shaft += nearestTriangle(organ, Triangle{end, handle, handle}).work.bounds;
+  }
+  EXPECT_LT(of_shaft, 2 * of_end);
+}
+
 TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
