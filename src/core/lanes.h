@@ -133,8 +133,8 @@ struct Lanes {
     }
     return result;
   }
-  /// As they are in memory. Part by part: gcc copies what is larger than a vector in smaller pieces,
-  /// through memory.
+  /// As they are in memory. Part by part: gcc copies what is larger than a vector in smaller
+  /// pieces, through memory.
   static Lanes copy(const Real* values) {
     Lanes result;
     for (int i = 0; i < kParts; ++i)

@@ -30,8 +30,9 @@ struct Contact {
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.
-/// If one piece is inside the organ and the accuracy leaves open whether another is deeper, distance
-/// is the depth that is proven, upper_bound. REQUIRES: at least one piece; the pose is rigid.
+/// If one piece is inside the organ and the accuracy leaves open whether another is deeper,
+/// distance is the depth that is proven, upper_bound. REQUIRES: at least one piece; the pose is
+/// rigid.
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,
                 const Eigen::Isometry3d& organ_from_shapes, const Accuracy& accuracy = {});
 
