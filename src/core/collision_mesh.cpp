@@ -19,8 +19,12 @@ bool fits(const Box& box, const UnitFrame& frame) {
          largestCoordinate(frame(box.high)) <= kLargestUnit;
 }
 
-bool isOnFace(const Eigen::Vector3d& point, const Box& box) {
-  return (point.array() == box.low.array() || point.array() == box.high.array()).any();
+/// Whether there is a face of `box` that some of what has moved was on, and that none of it reaches
+/// now.
+bool leavesFace(const Box& before, const Box& after, const Box& box) {
+  return ((before.low.array() <= box.low.array() && after.low.array() > box.low.array()) ||
+          (before.high.array() >= box.high.array() && after.high.array() < box.high.array()))
+      .any();
 }
 
 /// Another one each time.
@@ -109,16 +113,22 @@ void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& posi
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
     parted_corners_ -= partedCorners(touched, mesh_, *topology_);
   }
-  box_is_stale_ = box_is_stale_ || std::any_of(moved.begin(), moved.end(), [this](VertexId vertex) {
-                    return isOnFace(mesh_.position(vertex), health_.box);
-                  });
+  const auto box_of_moved = [&] {
+    Box box;
+    for (const VertexId vertex : moved) box.add(mesh_.position(vertex));
+    return box;
+  };
+  const Box before = box_of_moved();
   mesh_.move(moved, positions);
   positions_number_ = freshNumber();
+  // Of vertices without a triangle, none reaches a face.
+  const Box after = mesh_.usesAllVertices() ? box_of_moved() : Box();
+  box_is_stale_ = box_is_stale_ || leavesFace(before, after, health_.box);
   if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
   Box box = box_is_stale_ ? boxOf(mesh_) : health_.box;
   if (mesh_.usesAllVertices()) {
-    for (const VertexId vertex : moved) box.add(mesh_.position(vertex));
+    box.add(after);
   } else {
     for (const TriangleId triangle : touched) box.add(boxOf(mesh_.triangle(triangle)));
   }

@@ -23,7 +23,7 @@ constexpr int kDeepestPackage = 16;  // folders below one of ROS_PACKAGE_PATH: l
 std::string nameIn(const std::filesystem::path& package_xml) {
   std::ifstream file(package_xml);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  static const std::regex name("<name>\\s*([^<\\s]*)\\s*</name>");
+  const std::regex name("<name>\\s*([^<\\s]*)\\s*</name>");
   std::smatch match;
   return std::regex_search(text, match, name) ? match[1].str() : "";
 }
@@ -38,7 +38,7 @@ std::optional<std::filesystem::path> findPackageIn(const std::filesystem::path& 
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const bool is_hidden = entry.path().filename().string().front() == '.';
     if (is_hidden || !entry.is_directory(ignored)) continue;
-    if (const auto found = findPackageIn(entry.path(), package, depth - 1)) return found;
+    if (auto found = findPackageIn(entry.path(), package, depth - 1)) return found;
   }
   return std::nullopt;
 }
@@ -100,7 +100,7 @@ std::optional<std::filesystem::path> findPackage(const std::string& package) {
   const char* path = std::getenv("ROS_PACKAGE_PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (const auto found = findPackageIn(folder, package, kDeepestPackage)) return found;
+    if (auto found = findPackageIn(folder, package, kDeepestPackage)) return found;
   return std::nullopt;
 }
 

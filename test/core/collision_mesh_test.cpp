@@ -126,6 +126,31 @@ TEST(CollisionMesh, VerticesOfNoTriangleStayOutOfTheBoxOfAPartialRefit) {
   EXPECT_EQ(organ.health().box.high.z(), 1.5);
 }
 
+TEST(CollisionMesh, HasTheBoxOfWhatMovesAlongAFaceOfItOrOffIt) {
+  Points points = test::cube().positions();
+  points.emplace_back(0, 0, 100);  // of no triangle
+  for (const std::size_t count : {points.size() - 1, points.size()}) {
+    CollisionMesh organ(
+        TriangleMesh({points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count)},
+                     test::cube().triangles()));
+    std::vector<VertexId> top;
+    for (std::size_t i = 0; i < count; ++i)
+      if (points[i].z() > 0.0) top.push_back(static_cast<VertexId>(i));
+    const auto height_with = [&](const std::vector<double>& heights) {
+      Points moved;
+      for (const double height : heights) moved.emplace_back(0.5, 0.25, height);
+      organ.refit({top.begin(), top.begin() + static_cast<std::ptrdiff_t>(heights.size())}, moved);
+      return organ.health().box.high.z();
+    };
+    EXPECT_EQ(height_with({1.0}), 1.0);
+    EXPECT_EQ(height_with({0.5}), 1.0);
+    EXPECT_EQ(height_with({0.5, 0.5, 0.75, 0.5}), 0.75);
+    EXPECT_EQ(height_with({0.75, 0.5, 0.5}), 0.75);
+    EXPECT_EQ(height_with({1.5}), 1.5);
+    EXPECT_EQ(height_with({0.25}), 0.5);
+  }
+}
+
 /// Single precision counts on it.
 TEST(CollisionMesh, StaysClosedWhereAVertexOfNoTriangleLeavesAnother) {
   const TriangleMesh cube = test::cube();

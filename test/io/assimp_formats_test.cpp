@@ -29,11 +29,6 @@ TEST_F(AssimpFormats, RefusesNumbersOfStlThatAreNoNumbers) {
 
 const Shape kTwoTriangles = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 3, 1}}};
 
-/// `text` with the first `from` in it replaced.
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 TEST_F(AssimpFormats, RefusesAsciiStlThatIsNotWordForWordAsTheFormatWantsIt) {
   const std::string good = asciiStl(kTwoTriangles);
   const auto with = [&](const std::string& from, const std::string& to) {

@@ -194,9 +194,6 @@ TEST_F(MeshFormats, RefusesAFaceIndexOfPlyThatIsOutOfRange) {
 }
 
 TEST_F(MeshFormats, RefusesABadPly) {
-  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
-    return text.replace(text.find(from), from.size(), to);
-  };
   const std::string good = kPlyHeader + kPlyVertices + "3 0 1 2\n";
   const auto with = [&](const std::string& from, const std::string& to) {
     return refusal("m.ply", replaced(good, from, to));

@@ -201,6 +201,11 @@ inline Shape merged(const Shape& shape) {
   return result;
 }
 
+/// `text` with the first `from` in it replaced.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
 class MeshIo : public testing::Test {
  protected:
   core::TriangleMesh load(const std::string& name, std::string_view bytes) const {
