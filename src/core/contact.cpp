@@ -1,8 +1,8 @@
 #include "organ_collision/core/contact.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "core/perhaps_inside.h"
 #include "organ_collision/core/nearest_pair.h"
 
 namespace organ_collision::core {
@@ -123,11 +123,9 @@ NearestTriangle nearestToShape(const Asker& asker, const Shape& shape, const Acc
   return inflated(nearestWithin(asker, round, accuracy), round);
 }
 
-/// A lower bound [m], also where the sign is not proven and the shape may be inside a solid organ.
 double deepestOf(const NearestTriangle& nearest, const Shape& shape) {
-  if (nearest.distance_signed) return nearest.lower_bound;
   const auto round = roundShape(shape);
-  return -nearest.upper_bound - (round ? 2.0 * round->radius : 0.0);
+  return lowerBoundIfInside(nearest, round ? round->radius : 0.0);
 }
 
 Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accuracy) {

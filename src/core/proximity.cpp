@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/perhaps_inside.h"
 #include "core/plane_coordinates.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/nearest_pair.h"
@@ -45,11 +46,9 @@ Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {
           {}};
 }
 
-/// Where one of the two is solid and no sign is proven, the other may be as deep in it as it may be
-/// near.
+/// With a lower bound that holds wherever one is, if one of the two is solid.
 NearestTriangle perhapsInside(NearestTriangle nearest, double radius, bool is_any_solid) {
-  if (is_any_solid && !nearest.distance_signed)
-    nearest.lower_bound = -nearest.upper_bound - 2.0 * radius;
+  if (is_any_solid) nearest.lower_bound = lowerBoundIfInside(nearest, radius);
   return nearest;
 }
 

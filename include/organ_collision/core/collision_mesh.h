@@ -68,7 +68,7 @@ class CollisionMesh {
   WideTree wide_tree_;
   std::size_t parted_corners_ = 0;
   MeshHealth health_;
-  bool box_is_stale_ = false;  // the health's may be too large: a refit was not finished
+  bool box_is_stale_ = false;  // the health's may be too large: some of it has moved inwards
   std::uint64_t splits_number_, positions_number_;
 };
 
