@@ -182,13 +182,13 @@ inline void placeBoxes(const PlainTree& tree, std::uint32_t self, Fit fit) {
   (high.z + rounding).store(&node.high[2][0]);
 }
 
-/// Eight centroids that are anywhere, by their slots.
+/// Eight centroids that are anywhere, by their places.
 inline LaneVector<float> centroidsIn(const PacketSplits* packets,
-                                     const std::array<std::uint32_t, kLaneCount>& slots) {
+                                     const std::array<std::uint32_t, kLaneCount>& places) {
+  const float* const first = packets->centroids.front().data();
   const auto along = [&](std::size_t axis) {
-    return Lanes<float>::each([&](std::uint32_t i) {
-      return packets[slots[i] / kLaneCount].centroids[axis][slots[i] % kLaneCount];
-    });
+    return Lanes<float>::each(
+        [&](std::uint32_t i) { return first[places[i] + axis * kLaneCount]; });
   };
   return {along(0), along(1), along(2)};
 }

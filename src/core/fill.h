@@ -46,12 +46,6 @@ inline void place(const PlainMesh& mesh, const VertexId* begin, const VertexId* 
 #endif
 }
 
-/// One corner of each of a packet's triangles.
-inline LaneVector<float> cornerOf(const VertexPlaces& places,
-                                  const std::array<std::uint8_t, kLaneCount>& numbers) {
-  return gather([&](std::uint32_t lane) { return &places[numbers[lane]]; });
-}
-
 /// Of the ball around a packet's origin that holds its triangles, each with a corner and two edges
 /// from there of which `squares` are the sums: none is farther than the root of twice that.
 inline float radiusAround(const Lanes<float>& squares) {
@@ -62,12 +56,20 @@ inline float radiusAround(const Lanes<float>& squares) {
 /// The edges are off by 2*kPlaceRounding and shorter than 8.
 constexpr float kFlat = 0x1p-36F;
 
-[[gnu::always_inline]] inline PacketTally fillOne(const VertexPlaces& places,
-                                                  const PacketCorners& corners,
-                                                  TrianglePacket& packet, LanePoints& centroids) {
-  const LaneVector<float> a = cornerOf(places, corners[0]);
-  const LaneVector<float> b = cornerOf(places, corners[1]);
-  const LaneVector<float> c = cornerOf(places, corners[2]);
+/// What triangles add to their mesh's health, lane by lane.
+struct LaneTally {
+  Lanes<float> volume = {}, squared_edges = {};
+  std::uint32_t flat = 0;
+
+  NodeTally sum() const { return {sumOf(volume), sumOf(squared_edges), flat}; }
+};
+
+[[gnu::always_inline]] inline void fillOne(const VertexPlaces& places, const PacketCorners& corners,
+                                           TrianglePacket& packet, LanePoints& centroids,
+                                           LaneTally& tally) {
+  const LaneVector<float> a = gather(places.data(), corners[0]);
+  const LaneVector<float> b = gather(places.data(), corners[1]);
+  const LaneVector<float> c = gather(places.data(), corners[2]);
   const LaneVector<float> ab = b - a;
   const LaneVector<float> ac = c - a;
   store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), centroids);
@@ -86,8 +88,9 @@ constexpr float kFlat = 0x1p-36F;
   const Truth<float> in_use = lanesInUse<float>(packet);
   const Truth<float> may_be_flat = dot(normal, normal) <= Lanes<float>::all(kFlat) * squared_edges;
   const Lanes<float> none{};
-  return {sumOf(select(in_use, dot(a, normal), none)), sumOf(select(in_use, squared_edges, none)),
-          (in_use & may_be_flat).bits()};
+  tally.volume = tally.volume + select(in_use, dot(a, normal), none);
+  tally.squared_edges = tally.squared_edges + select(in_use, squared_edges, none);
+  tally.flat += static_cast<std::uint32_t>(__builtin_popcount((in_use & may_be_flat).bits()));
 }
 
 inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
@@ -101,12 +104,16 @@ inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t beg
     if (number + 1 < end) fetchAll(mesh, first(number + 1), first(number + 2));
     place(mesh, first(number), first(number + 1), places);
     const WideNode& node = tree.nodes[number];
-    const std::uint32_t last = node.first_packet + node.lane_count - node.node_count;
-    for (std::uint32_t i = node.first_packet; i < last; ++i) {
-      __builtin_prefetch(&tree.packets[i + kAhead].origin, 1);
-      tree.tallies[i] =
-          fillOne(places, mesh.corners[i], tree.packets[i], tree.packet_splits[i].centroids);
+    const std::uint32_t packet_count = node.lane_count - node.node_count;
+    const PacketCorners* const corners = mesh.corners + node.first_packet;
+    TrianglePacket* const packets = tree.packets + node.first_packet;
+    PacketSplits* const splits = tree.packet_splits + node.first_packet;
+    LaneTally tally;
+    for (std::uint32_t i = 0; i < packet_count; ++i) {
+      __builtin_prefetch(&packets[i + kAhead].origin, 1);
+      fillOne(places, corners[i], packets[i], splits[i].centroids, tally);
     }
+    tree.tallies[number] = tally.sum();
   }
 }
 

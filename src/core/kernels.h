@@ -37,10 +37,10 @@ struct PlainMesh {
 struct PlainTree {
   WideNode* nodes;
   NodeSplits* node_splits;
-  const Poles* poles;  ///< of the nodes' splits, as slots
+  const Poles* poles;  ///< of the nodes' splits, by the places of their centroids
   TrianglePacket* packets;
   PacketSplits* packet_splits;
-  PacketTally* tallies;  ///< of the packets
+  NodeTally* tallies;  ///< of the nodes' packets
   const NodePart* parts;
   const std::uint32_t* first_parts;  ///< of each node and, one more, their end
 };
@@ -76,8 +76,8 @@ struct Kernels {
   void (*followPairs)(PairSearch& search, double step);
   /// REQUIRES: there is a point.
   PlainBox (*boxOf)(const double* points, std::size_t count);
-  /// Takes over where the triangles of some nodes' packets are, and their centroids. Triangles that
-  /// may be flat within rounding are marked in the tallies.
+  /// Takes over where the triangles of some nodes' packets are, and their centroids. The
+  /// tallies count triangles that may be flat within rounding.
   void (*fill)(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
                std::uint32_t end);
   /// Places the origins, boxes and splits of nodes, the last first. REQUIRES: that is done for all

@@ -69,16 +69,13 @@ inline Truth<Real> lanesInUse(const TrianglePacket& packet) {
   return Lanes<Real>::numbers() <= Lanes<Real>::all(static_cast<Real>(packet.lane_count) - 1);
 }
 
-/// A vertex in the unit frame, aligned so that it is read at once.
-struct alignas(16) VertexPlace {
-  float x, y, z;
-};
-
-/// Eight places that are anywhere in memory, at place(0), ... place(7).
-template <class Place>
-inline LaneVector<float> gather(const Place& place) {
+/// Eight places that are anywhere behind the first, by how many bytes.
+inline LaneVector<float> gather(const VertexPlace* places,
+                                const std::array<std::uint16_t, kLaneCount>& offsets) {
   using Four __attribute__((vector_size(16))) = float;
-  const auto at = [&place](std::uint32_t i) { return *reinterpret_cast<const Four*>(place(i)); };
+  const auto at = [first = reinterpret_cast<const char*>(places), &offsets](std::uint32_t i) {
+    return *reinterpret_cast<const Four*>(first + offsets[i]);
+  };
   LaneVector<float> lanes;
 #if defined(__AVX__)
   const auto pair = [&at](std::uint32_t i) {

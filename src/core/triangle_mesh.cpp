@@ -1,7 +1,6 @@
 #include "organ_collision/core/triangle_mesh.h"
 
 #include <algorithm>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -12,10 +11,13 @@
 namespace organ_collision::core {
 namespace {
 
+/// Of so many triangles every place in WideTree has a number of 32 bits.
+constexpr std::size_t kMost = 1U << 27U;
+
 void requireFewEnough(std::size_t count, const char* what) {
-  if (count <= std::numeric_limits<std::uint32_t>::max() / 4) return;
-  throw std::invalid_argument("the mesh has " + std::to_string(count) + " " + what +
-                              ": more than 32-bit indices allow");
+  if (count <= kMost) return;
+  throw std::invalid_argument("the mesh has " + std::to_string(count) + " " + what + ": at most " +
+                              std::to_string(kMost) + " are possible");
 }
 
 /// Returns the positions' box.

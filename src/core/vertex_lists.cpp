@@ -65,7 +65,8 @@ VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Co
         [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane, VertexId vertex) {
           const std::uint32_t number = numbering(vertex, count);
           count += number == count ? 1 : 0;
-          lists.corners[packet][corner][lane] = static_cast<std::uint8_t>(number);
+          lists.corners[packet][corner][lane] =
+              static_cast<std::uint16_t>(number * sizeof(VertexPlace));
         });
     lists.firsts[self + 1] = count;
   });
@@ -73,9 +74,11 @@ VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Co
   lists.vertices.resize(lists.firsts.back());
   forEach(layout.nodes.size(), kListGrain, [&](std::size_t self) {
     VertexId* const vertices = lists.vertices.data() + lists.firsts[self];
-    forEachCorner(layout, self, corners.data(),
-                  [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane,
-                      VertexId vertex) { vertices[lists.corners[packet][corner][lane]] = vertex; });
+    forEachCorner(
+        layout, self, corners.data(),
+        [&](std::uint32_t packet, std::size_t corner, std::uint32_t lane, VertexId vertex) {
+          vertices[lists.corners[packet][corner][lane] / sizeof(VertexPlace)] = vertex;
+        });
   });
   return lists;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bitset>
 #include <climits>
 #include <cmath>
 #include <utility>
@@ -32,8 +31,9 @@ constexpr double kShorter = 1.0 - 0x1p-20;
 constexpr float kTurnBackRounding = 0x1p-18F;
 /// What rounding makes of the volume of a closed mesh: this part of the squares of two edges of
 /// each triangle. Products of a place, below 4, and two edges are off by 2^-20 of those squares;
-/// to move each vertex by kPlaceRounding moves the surface by as much, which is less.
-constexpr double kVolumeRounding = 0x1p-19;
+/// to add up a node's, eleven times in single precision, is off by less, and to move each vertex by
+/// kPlaceRounding moves the surface by as much, which is less, too.
+constexpr double kVolumeRounding = 0x1p-18;
 /// Of a sum of volumes below 64, twice.
 constexpr double kSumRounding = 0x1p-46;
 
@@ -123,23 +123,23 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
     parents_[self] = parent;
     guide_.sets[self] = set;
-    poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
-                                            guide_.nodes[self], guide_.packets.data()));
+    poles_[self] = placesOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
+                                             guide_.nodes[self], guide_.packets.data()));
   });
   lists_ = listVertices(layout, corners_);
   listParts();
-  tallies_.resize(packets_.size());
+  tallies_.resize(nodes_.size());
   touched_.resize(2 * nodes_.size());
   fitAll(mesh, Fit::kCorners);
 }
 
 /// REQUIRES: all leaves are listed.
-Poles WideTree::slotsOf(const FarthestPairTree& tree, const Poles& leaves) const {
-  Poles slots;
+Poles WideTree::placesOf(const FarthestPairTree& tree, const Poles& leaves) const {
+  Poles places;
   for (std::size_t pole = 0; pole < leaves.size(); ++pole)
     for (std::size_t split = 0; split < kLaneCount; ++split)
-      slots[pole][split] = slots_[index(tree.triangle(leaves[pole][split]))];
-  return slots;
+      places[pole][split] = placeOfCentroid(slots_[index(tree.triangle(leaves[pole][split]))]);
+  return places;
 }
 
 /// A node's box is drawn around those kLevels below it, and around packets' on the way there.
@@ -278,7 +278,7 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& to
     while (touch(nodes, node, node) && node != 0) node = parents_[node];
   }
   for (const std::uint32_t node : parents) {
-    tally_.subtract(tallyOf(packetsOf({node, node + 1})));
+    tally_.subtract(tallyOf({node, node + 1}));
     tally_.add(fill(mesh, {node, node + 1}));
     tally_.rounding += kSumRounding;
     touched_[nodes_.size() + node] = false;
@@ -304,31 +304,32 @@ HealthTally WideTree::fill(const TriangleMesh& mesh, const Range& nodes) {
                   lists_.firsts.data(),
                   lists_.corners.data()},
                  plain(), nodes.begin, nodes.end);
-  const Range packets = packetsOf(nodes);
-  for (std::uint32_t number = packets.begin; number < packets.end; ++number)
-    if (tallies_[number].flat != 0) keepFlat(mesh, number);
-  return tallyOf(packets);
+  for (std::uint32_t node = nodes.begin; node < nodes.end; ++node)
+    if (tallies_[node].flat != 0) tallies_[node].flat = flatBelow(mesh, node);
+  return tallyOf(nodes);
 }
 
-/// Leaves those of a packet's flat triangles that are so exactly.
-void WideTree::keepFlat(const TriangleMesh& mesh, std::uint32_t number) {
-  const Packet& packet = packets_[number];
-  std::uint32_t& flat = tallies_[number].flat;
-  for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane) {
-    const auto& [a, b, c] = mesh.triangle(corners_[packet.first_leaf + lane]);
-    if ((flat >> lane & 1U) != 0 && !collinear(a, b, c)) flat &= ~(1U << lane);
+/// How many triangles of a node's packets are flat exactly.
+std::uint32_t WideTree::flatBelow(const TriangleMesh& mesh, std::uint32_t node) const {
+  std::uint32_t flat = 0;
+  const Range packets = packetsOf({node, node + 1});
+  for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
+    const Packet& packet = packets_[number];
+    for (Leaf leaf = packet.first_leaf; leaf < packet.first_leaf + packet.lane_count; ++leaf) {
+      const auto& [a, b, c] = mesh.triangle(corners_[leaf]);
+      flat += collinear(a, b, c) ? 1 : 0;
+    }
   }
+  return flat;
 }
 
-HealthTally WideTree::tallyOf(const Range& packets) const {
+HealthTally WideTree::tallyOf(const Range& nodes) const {
   HealthTally tally;
   double squared_edges = 0.0;
-  for (std::uint32_t number = packets.begin; number < packets.end; ++number) {
-    const PacketTally& packet = tallies_[number];
-    tally.volume += double{packet.volume};
-    squared_edges += double{packet.squared_edges};
-    if (packet.flat != 0)  // seldom
-      tally.degenerate_triangles += std::bitset<kLaneCount>(packet.flat).count();
+  for (std::uint32_t node = nodes.begin; node < nodes.end; ++node) {
+    tally.volume += double{tallies_[node].volume};
+    squared_edges += double{tallies_[node].squared_edges};
+    tally.degenerate_triangles += tallies_[node].flat;
   }
   tally.rounding = kVolumeRounding * squared_edges;
   return tally;
@@ -360,7 +361,7 @@ std::size_t WideTree::searchMemory() const {
 std::size_t WideTree::memory() const {
   return searchMemory() + lists_.vertices.capacity() * sizeof(VertexId) +
          lists_.corners.capacity() * sizeof(PacketCorners) +
-         tallies_.capacity() * sizeof(PacketTally) + touched_.capacity() / CHAR_BIT +
+         tallies_.capacity() * sizeof(NodeTally) + touched_.capacity() / CHAR_BIT +
          parts_.capacity() * sizeof(NodePart) + poles_.capacity() * sizeof(Poles) +
          (lists_.firsts.capacity() + first_parts_.capacity() + parents_.capacity() +
           slots_.capacity() + levels_.capacity()) *

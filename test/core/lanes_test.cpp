@@ -100,8 +100,10 @@ TEST(Lanes, AreGatheredFromAnywhere) {
     places[i] = {x, x + 1, x + 2};
   }
   const auto number = [](std::uint32_t lane) { return 5 * lane % kLanes; };
-  const LaneVector<float> gathered =
-      gather([&](std::uint32_t lane) { return places + number(lane); });
+  std::array<std::uint16_t, kLanes> offsets;
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+    offsets[lane] = static_cast<std::uint16_t>(number(lane) * sizeof(VertexPlace));
+  const LaneVector<float> gathered = gather(places, offsets);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     EXPECT_EQ(gathered.x[lane], 3 * number(lane));
     EXPECT_EQ(gathered.y[lane], 3 * number(lane) + 1);

@@ -30,8 +30,9 @@ TEST(VertexLists, HoldTheCornersOfEachNodesPackets) {
       for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
         const std::uint32_t leaf = packet.first_leaf + (lane < packet.lane_count ? lane : 0);
         for (std::size_t corner = 0; corner < 3; ++corner) {
-          const std::uint32_t place =
-              lists.firsts[packet.parent] + lists.corners[number][corner][lane];
+          ASSERT_EQ(lists.corners[number][corner][lane] % sizeof(VertexPlace), 0);
+          const std::size_t place = lists.firsts[packet.parent] +
+                                    lists.corners[number][corner][lane] / sizeof(VertexPlace);
           ASSERT_LT(place, lists.firsts[packet.parent + 1]);
           ASSERT_EQ(lists.vertices[place], tree.corners()[leaf][corner]);
         }
@@ -69,7 +70,7 @@ TEST(VertexLists, HaveRoomForAsManyVerticesAsANodeCanHave) {
   const VertexLists lists = listVertices(layout, corners);
   ASSERT_EQ(lists.vertices.size(), 3U * kLaneCount * kLaneCount);
   EXPECT_EQ(lists.vertices.back(), corners.back()[2]);
-  EXPECT_EQ(lists.corners.back()[2].back(), lists.vertices.size() - 1);
+  EXPECT_EQ(lists.corners.back()[2].back(), (lists.vertices.size() - 1) * sizeof(VertexPlace));
 }
 
 }  // namespace

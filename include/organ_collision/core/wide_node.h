@@ -61,7 +61,15 @@ struct PacketSplits {
   std::array<std::uint32_t, 2> poles;  ///< lanes of the first ones, of the others; three bits each
 };
 
-/// The poles of up to eight splits, as leaves or as slots: those that come first, and the others.
+/// Where the centroid of a slot is, in numbers from where those of the first packet are: x; y and
+/// z follow, kLaneCount apart. Fits, be there as many packets as a mesh may have triangles.
+constexpr std::uint32_t placeOfCentroid(std::uint32_t slot) {
+  return slot / kLaneCount * std::uint32_t{sizeof(PacketSplits) / sizeof(float)} +
+         slot % kLaneCount;
+}
+
+/// The poles of up to eight splits, as leaves or by the places of their centroids: those that come
+/// first, and the others.
 using Poles = std::array<std::array<std::uint32_t, kLaneCount>, 2>;
 
 /// Lanes of a node that boxes of one above are drawn around.
@@ -72,15 +80,20 @@ struct NodePart {
   std::array<std::array<float, 3>, 3> turn;  ///< to the axes above
 };
 
-/// Of a packet's triangles, a, b, c of eight of them: each a number in the list of the vertices
-/// that its node's packets have.
-using PacketCorners = std::array<std::array<std::uint8_t, kLaneCount>, 3>;
+/// A vertex in the unit frame, aligned so that it is read at once.
+struct alignas(16) VertexPlace {
+  float x, y, z;
+};
 
-/// What a packet's triangles add to their mesh's health.
-struct PacketTally {
+/// Of a packet's triangles, a, b, c of eight of them: how many bytes into the places of the
+/// vertices that its node's packets have.
+using PacketCorners = std::array<std::array<std::uint16_t, kLaneCount>, 3>;
+
+/// What the triangles of a node's packets add to their mesh's health.
+struct NodeTally {
   float volume;         ///< six times, in the unit frame
   float squared_edges;  ///< the sum of two of each triangle's, in the unit frame
-  std::uint32_t flat;   ///< the lanes, by bits, of triangles of zero area
+  std::uint32_t flat;   ///< how many are of zero area
 };
 
 }  // namespace organ_collision::core

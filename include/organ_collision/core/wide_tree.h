@@ -91,15 +91,15 @@ class WideTree {
   Range nodesOn(std::size_t level) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
-  Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
+  Poles placesOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
   std::vector<std::uint32_t> partsToFit() const;
   HealthTally fitBelow(const TriangleMesh& mesh, const Range& nodes, Fit fit);
   HealthTally fill(const TriangleMesh& mesh, const Range& nodes);
-  void keepFlat(const TriangleMesh& mesh, std::uint32_t packet);
-  HealthTally tallyOf(const Range& packets) const;
+  std::uint32_t flatBelow(const TriangleMesh& mesh, std::uint32_t node) const;
+  HealthTally tallyOf(const Range& nodes) const;
   PlainTree plain();
   void enclose(const Range& nodes, Fit fit);
 
@@ -107,7 +107,7 @@ class WideTree {
   GreedyGuide guide_;
   HugePageVector<Node> nodes_;
   HugePageVector<Packet> packets_;
-  std::vector<PacketTally> tallies_;  // of the packets
+  std::vector<NodeTally> tallies_;  // of the nodes' packets
   HealthTally tally_;
   std::vector<bool> touched_;  // nodes, then nodes' packets; none but while some are refitted
 
@@ -118,7 +118,7 @@ class WideTree {
   std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;      // of the nodes
   HugePageVector<std::uint32_t> slots_;     // of each triangle: its packet * 8 + its lane
-  std::vector<Poles> poles_;                // of the nodes' splits, as slots
+  std::vector<Poles> poles_;                // of the nodes' splits, by their centroids' places
   std::vector<std::uint32_t> levels_;       // the first node of each
 };
 
