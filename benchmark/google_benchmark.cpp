@@ -27,7 +27,6 @@ int runGoogleBenchmark(int count, char** words, const std::vector<std::string>& 
 void tellOrgan(const std::string& name, const core::TriangleMesh& mesh) {
   benchmark::AddCustomContext("organ", std::filesystem::path(name).filename().string());
   benchmark::AddCustomContext("triangles", std::to_string(mesh.triangleCount()));
-  benchmark::AddCustomContext("vertices", std::to_string(mesh.positions().size()));
 }
 
 }  // namespace organ_collision::bench

@@ -2,7 +2,7 @@
 // Akenine-Moeller propose ("Collision detection for continuously deforming bodies", 2001)? The
 // farthest-pair hierarchy with plain boxes, refitted as a whole (bottom-up) and by halves:
 // bottom-up above a middle level, whose boxes are drawn around their triangles; top-down below,
-// when a query opens a set for the first time. Usage: hybrid_refit [ORGAN].
+// when a query opens a set for the first time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -24,27 +24,20 @@ using core::Shapes;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// How instruments stand to an organ.
-struct Placing {
-  double height;  ///< [m] of their origin above the surface, at most
-  bool pointing;  ///< at the surface, as from a trocar; else turned anyhow
-};
-constexpr Placing kPointing = {0.005, true};
-constexpr Placing kTurned = {0.005, false};  // half of the long ones cross the surface
-constexpr Placing kFar = {0.2, false};
+constexpr double kHighest = 0.005;  // [m] of instruments above the surface
 
 std::shared_ptr<const CollisionMesh> shipped(const std::string& name) {
   return std::make_shared<const CollisionMesh>(
       io::loadMesh(std::filesystem::path(MESHES) / (name + ".obj")));
 }
 
-Isometry3d randomPose(std::mt19937& generator, const CollisionMesh& organ, const Placing& placing) {
+/// Of an instrument that points at the surface, as from a trocar.
+Isometry3d randomPose(std::mt19937& generator, const CollisionMesh& organ) {
   const auto triangle = static_cast<core::TriangleId>(generator() % organ.mesh().triangleCount());
   const auto [a, b, c] = organ.mesh().triangle(triangle);
-  const double height = placing.height * static_cast<double>(generator() % 1000) / 1000.0;
+  const double height = kHighest * static_cast<double>(generator() % 1000) / 1000.0;
   const Vector3d normal = (b - a).cross(c - a).normalized();
   const Eigen::Translation3d place(core::centroid({a, b, c}) + height * normal);
-  if (!placing.pointing) return place * test::randomPose(generator, 0.0);
   // The shapes below reach along -z: their z axis is the way in.
   return place * Eigen::Quaterniond::FromTwoVectors(Vector3d(0, 0, -1), normal);
 }
@@ -61,14 +54,12 @@ std::size_t bytesOf(const Shape& shape) {
   return sizeof(Shape) + (mesh != nullptr ? mesh->surface->memory() : 0);
 }
 
-/// The liver has 11,520 * 4^levels triangles.
-void against_a_liver(benchmark::State& state, std::size_t levels, const Shape& shape,
-                     const Placing& placing) {
-  const CollisionMesh organ(bench::liver(levels));
+void instrument(benchmark::State& state, const Shape& shape) {
+  const CollisionMesh organ(bench::liver(0));
   const Shapes shapes = {shape};
   std::mt19937 generator(1);
   std::vector<Isometry3d> poses;
-  for (int i = 0; i < 500; ++i) poses.push_back(randomPose(generator, organ, placing));
+  for (int i = 0; i < 500; ++i) poses.push_back(randomPose(generator, organ));
   core::SearchWork work;
   std::size_t i = 0;
   for (auto _ : state) {
@@ -88,14 +79,6 @@ core::RigidMesh cylinder() {
 }
 
 const core::Capsule kShaft{{0, 0, 0}, {0, 0, -0.2}, 0.0025};
-
-void instrument(benchmark::State& state, const Shape& shape) {
-  against_a_liver(state, 0, shape, kPointing);
-}
-
-void on_46080_triangles(benchmark::State& state, const Shape& shape, const Placing& placing) {
-  against_a_liver(state, 1, shape, placing);
-}
 
 void two_instruments(benchmark::State& state, const Shape& first, const Shape& second) {
   std::mt19937 generator(2);
@@ -139,7 +122,7 @@ void triangles_within(benchmark::State& state, double radius) {
   std::mt19937 generator(1);
   std::size_t found = 0;
   for (auto _ : state) {
-    const Vector3d point = randomPose(generator, organ, kPointing).translation();
+    const Vector3d point = randomPose(generator, organ).translation();
     found += core::trianglesWithin(organ, point, radius).triangles.size();
   }
   state.counters["found"] =
@@ -158,21 +141,6 @@ BENCHMARK_CAPTURE(instrument, sphere, (core::Sphere{{0, 0, 0}, 0.003}))
 BENCHMARK_CAPTURE(instrument, capsule, kShaft)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(instrument, cylinder_of_a_link, cylinder())->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(instrument, jaw_of_980_triangles, jaw())->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, point_pointing, Vector3d(0, 0, 0), kPointing)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, capsule_pointing, kShaft, kPointing)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, jaw_pointing, jaw(), kPointing)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, point_turned, Vector3d(0, 0, 0), kTurned)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, capsule_turned, kShaft, kTurned)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, jaw_turned, jaw(), kTurned)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, point_far, Vector3d(0, 0, 0), kFar)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, capsule_far, kShaft, kFar)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(on_46080_triangles, jaw_far, jaw(), kFar)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(two_instruments, capsule_capsule, kShaft, kShaft)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(two_instruments, convex_capsule, cylinder(), kShaft)
     ->Unit(benchmark::kMicrosecond);

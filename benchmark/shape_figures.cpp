@@ -1,7 +1,6 @@
 // What do shafts and jaws cost against an organ, how does a shaft compare with a point, and how
-// long does the worst case take? Usage: shape_figures POSES ORGAN..., see README.md; organs are
-// scaled to a diagonal of 0.3 m. All times are processor time of the thread that asks, the least of
-// some repetitions: others may use the machine too.
+// long does the worst case take? Organs are scaled to a diagonal of 0.3 m. All times are processor
+// time of the thread that asks, the least of some repetitions: others may use the machine too.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,4 @@
 // How far are the answers of other libraries from the truth, on the inputs of measure_stability?
-// Usage: stability_of_peers [SAMPLES]   default: 10000 points in each class, a tenth of pairs, a
-// hundredth of tips
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -129,10 +127,15 @@ Outcome inChild(const Action& action) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no process");
   if (child == 0) {
     alarm(kPatience);
-    const Outcome outcome = action();
-    _exit(write(ends[1], &outcome, sizeof outcome) == sizeof outcome ? 0 : 1);
+    try {
+      const Outcome outcome = action();
+      _exit(write(ends[1], &outcome, sizeof outcome) == sizeof outcome ? 0 : 1);
+    } catch (...) {
+      _exit(2);
+    }
   }
   close(ends[1]);
   Outcome outcome;

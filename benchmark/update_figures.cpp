@@ -1,7 +1,7 @@
 // What does mode AUTO go by? The cost of each kind of update through the swap, and of the wear that
 // a deformation leaves, on the shipped liver and two finer ones. Figures like these, once logged,
-// are what test/node/update_policy_test.cpp decides from. With a file's name: draws them into it.
-// With --organ ORGAN: only what updates of that one cost.
+// are what test/node/update_policy_test.cpp decides from. With --output: draws them into that file.
+// With --organ: only what updates of that one cost.
 // All times are processor time of the thread that updates: others may use the machine too.
 #include <tbb/task_arena.h>
 

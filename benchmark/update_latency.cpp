@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -52,15 +53,14 @@ void pin(pthread_t thread, bool is_query) {
   pthread_setaffinity_np(thread, sizeof allowed, &allowed);
 }
 
-struct Tips {
-  explicit Tips(const core::Points& points) {
-    std::mt19937 generator(1);
-    for (int i = 0; i < 10000; ++i) {
-      tips.push_back(points[generator() % points.size()] + test::randomPoint(generator, 0.005));
-    }
-  }
+core::Points tipsNear(const core::Points& points) {
+  std::mt19937 generator(1);
   core::Points tips;
-};
+  for (int i = 0; i < 10000; ++i) {
+    tips.push_back(points[generator() % points.size()] + test::randomPoint(generator, 0.005));
+  }
+  return tips;
+}
 
 struct Latencies {
   std::vector<double> sorted;  // [s]
@@ -142,7 +142,7 @@ void run(const std::vector<std::string>& words) {
   pin(pthread_self(), false);  // the organ's background thread inherits that
   node::Organ organ("organ", "organ", bench::organNamed(kOrgan));
   const core::Points original = organ.snapshot()->organ.mesh().positions();
-  const core::Points tips = Tips(original).tips;
+  const core::Points tips = tipsNear(original);
   pin(pthread_self(), true);
   const auto measure = [&](const auto& enough) {
     return latencies(organ, tips, duration / kRounds, enough);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "node/frame_lookup.h"
+#include "node/log_limit.h"
 #include "node/stopwatch.h"
 #include "organ_collision/io/mesh_io.h"
 #include "parameters.h"
@@ -40,12 +41,13 @@ class Pace {
 
 /// What tf last said of each tip.
 std::vector<SoftOrgan::TipPose> tipPoses(const tf2::BufferCore& buffer, const std::string& organ,
-                                         const std::vector<std::string>& tips) {
+                                         const std::vector<std::string>& tips,
+                                         node::LogLimit& log) {
   std::vector<SoftOrgan::TipPose> organ_from_tips;
   for (const std::string& tip : tips) {
     const node::FrameLookup lookup = node::lookUpFrame(buffer, organ, tip);
-    if (!lookup.pose)
-      ROS_WARN_DELAYED_THROTTLE(kWarningPeriod, "%s: %s", tip.c_str(), lookup.reason.c_str());
+    const std::string warning = "'" + tip + "': " + lookup.reason;
+    if (!lookup.pose && log.allows(warning)) ROS_WARN("%s", warning.c_str());
     organ_from_tips.push_back(lookup.pose ? SoftOrgan::TipPose(lookup.pose->target_from_source)
                                           : std::nullopt);
   }
@@ -73,9 +75,11 @@ void simulate(ros::NodeHandle& node, const ros::NodeHandle& parameters) {
   const ros::Publisher publisher = node.advertise<MeshUpdate>("mesh_update", 10);
   ros::WallRate rate(1.0 / SoftOrgan::kStep);
   Pace pace;
+  node::LogLimit log;
   while (ros::ok()) {
-    if (!organ.step(tipPoses(buffer, update.header.frame_id, tips)))
-      ROS_WARN("%s was torn too far: it is put back to rest", update.organ.c_str());
+    const std::string torn = update.organ + " was torn too far: it is put back to rest";
+    if (!organ.step(tipPoses(buffer, update.header.frame_id, tips, log)) && log.allows(torn))
+      ROS_WARN("%s", torn.c_str());
     update.header.stamp = ros::Time::now();
     setPositions(update, organ.positions());
     publisher.publish(update);

@@ -13,10 +13,4 @@ TrocarJoints jointsForTip(const Eigen::Vector3d& tip_in_trocar) {
   return TrocarJoints{std::atan2(x, z), std::atan2(-y, std::hypot(x, z)), insertion};
 }
 
-Eigen::Vector3d tipInTrocar(const TrocarJoints& joints) {
-  const double across = std::cos(joints.pitch);
-  return joints.insertion * Eigen::Vector3d(across * std::sin(joints.yaw), -std::sin(joints.pitch),
-                                            across * std::cos(joints.yaw));
-}
-
 }  // namespace organ_collision::demo

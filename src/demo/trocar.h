@@ -16,7 +16,4 @@ struct TrocarJoints {
 /// The joints that bring the tip to `tip_in_trocar` [m]. In the trocar itself: all zero.
 TrocarJoints jointsForTip(const Eigen::Vector3d& tip_in_trocar);
 
-/// Where the tip is [m], in the trocar's frame.
-Eigen::Vector3d tipInTrocar(const TrocarJoints& joints);
-
 }  // namespace organ_collision::demo

@@ -292,8 +292,7 @@ void CollisionNode::publishMeshInfo() {
 }
 
 void CollisionNode::publishMarkers() {
-  const std::unique_lock<std::mutex> drawing(markers_mutex_, std::try_to_lock);
-  if (!drawing || markers_publisher_.getNumSubscribers() == 0) return;
+  if (markers_publisher_.getNumSubscribers() == 0) return;
   visualization_msgs::MarkerArray markers = contactMarkers(lastCycle()->contacts, scene_, organs_);
   const ros::SteadyTime now = ros::SteadyTime::now();
   const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
@@ -340,6 +339,10 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     status.add(organ->name() + " builds", builds.count);
     status.add(organ->name() + " last build", builds.reason);
     status.add(organ->name() + " since then", builds.figures);
+    if (!builds.failure.empty()) {
+      status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                          organ->name() + " could not be rebuilt: " + builds.failure);
+    }
     status.add(organ->name() + " cost ratio", organ->costRatio());
     status.add(organ->name() + " updates merged", counters.updates_merged);
     status.add(organ->name() + " updates lost", counters.updates_lost);

@@ -110,9 +110,8 @@ class CollisionNode {
   ros::Publisher contacts_publisher_, proximities_publisher_, markers_publisher_,
       mesh_info_publisher_;
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
-  std::mutex markers_mutex_;    // of the two below
-  std::map<std::string, std::uint32_t> drawn_versions_;
-  ros::SteadyTime surfaces_drawn_;
+  std::map<std::string, std::uint32_t> drawn_versions_;  // publishMarkers() alone
+  ros::SteadyTime surfaces_drawn_;                       // publishMarkers() alone
 
   const std::shared_ptr<Signal> organs_wait_ = std::make_shared<Signal>();  // for updater_
   std::atomic<bool> stopping_{false};

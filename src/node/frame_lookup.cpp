@@ -4,6 +4,7 @@
 #include <tf2_eigen/tf2_eigen.h>
 
 #include <exception>
+#include <sstream>
 
 namespace organ_collision::node {
 namespace {
@@ -23,7 +24,10 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     const geometry_msgs::TransformStamped transform = buffer.lookupTransform(target, source, time);
     const FramePose pose = {tf2::transformToEigen(transform), transform.header.stamp};
     if (!isUsable(pose.target_from_source)) {
-      return {std::nullopt, "tf says that " + source + " is more than 1e8 m from " + target};
+      std::ostringstream reason;
+      reason << "tf says that " << source << " is more than " << kFarthest << " m from " << target
+             << ", or nowhere";
+      return {std::nullopt, reason.str()};
     }
     return {pose, ""};
   } catch (const tf2::TransformException& error) {

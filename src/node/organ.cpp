@@ -157,17 +157,18 @@ Organ::Applied Organ::replace(core::TriangleMesh mesh, std::uint32_t expected_ve
   const std::shared_ptr<const OrganSnapshot> former = snapshot();
   const std::uint32_t version = former->version + 1;
   const std::size_t vertex_count = built.organ.mesh().positions().size();
-  {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (!pending_.empty()) ++counters_.updates_lost;  // it was meant for the former topology
-    pending_ = PendingMoves(vertex_count);
-  }
-  log_ = MoveLog(vertex_count, version);
-  refit_policy_ = RefitPolicy(built.refit_cost);
+  PendingMoves pending(vertex_count);
+  MoveLog log(vertex_count, version);
   Applied applied = {version, Action::kRebuild, "new topology", watch.elapsed()};
   publishBuilt({std::move(built.organ), version, applied.action, applied.reason, applied.duration,
                 former->hierarchy + 1},
                built.cost);
+  // The new mesh is there, and nothing below needs memory.
+  log_ = std::move(log);
+  refit_policy_ = RefitPolicy(built.refit_cost);
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  if (!pending_.empty()) ++counters_.updates_lost;  // it was meant for the former topology
+  pending_ = std::move(pending);
   return applied;
 }
 
@@ -234,8 +235,9 @@ Organ::Refit Organ::catchUp(OrganSnapshot& state, VertexMoves moves) {
 }
 
 void Organ::publishBuilt(OrganSnapshot next, double cost) {
-  rebuild_policy_.recordRebuild(cost);
   as_built_ = snapshots_.publish(std::make_unique<OrganSnapshot>(std::move(next)));
+  rebuild_policy_.recordRebuild(cost);
+  rebuild_failure_.clear();
   cost_ratio_ = 1.0;
 }
 
@@ -274,7 +276,8 @@ void Organ::startRebuild(const std::string& reason) {
   });
 }
 
-/// Swaps in a rebuild that is ready; false if none is.
+/// Swaps in a rebuild that is ready; false if none is, or if it failed, which is nobody's fault who
+/// comes by.
 bool Organ::finishRebuild() {
   using std::chrono::seconds;
   if (!rebuild_ || rebuild_->done.wait_for(seconds(0)) != std::future_status::ready) return false;
@@ -282,7 +285,12 @@ bool Organ::finishRebuild() {
   const std::shared_ptr<Rebuild> rebuilt = std::exchange(rebuild_, nullptr);
   // Let go here: where queries let go of theirs, the background thread must not.
   const std::shared_ptr<const OrganSnapshot> source = std::move(rebuilt->source);
-  rebuilt->done.get();  // throws what went wrong
+  try {
+    rebuilt->done.get();
+  } catch (const std::exception& error) {  // memory, most likely
+    rebuild_failure_ = error.what();
+    return false;
+  }
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
   if (&source->organ.topology() != &now->organ.topology()) return false;  // replaced meanwhile
   OrganSnapshot next = {
@@ -296,7 +304,7 @@ bool Organ::finishRebuild() {
   return true;
 }
 
-/// Lets go of the lock while waiting.
+/// Lets go of the lock while waiting. Throws what went wrong.
 void Organ::rebuildAndWait(Lock& building) {
   const std::uint64_t request = ++rebuilds_asked_;
   while (rebuilds_served_ < request) {
@@ -306,16 +314,17 @@ void Organ::rebuildAndWait(Lock& building) {
     done.wait();
     building.lock();
     finishRebuild();
+    done.get();
   }
 }
 
 Organ::Builds Organ::builds() const {
   const Lock building(building_);
-  return {as_built_->hierarchy, as_built_->reason, rebuild_policy_.figures()};
+  return {as_built_->hierarchy, as_built_->reason, rebuild_policy_.figures(), rebuild_failure_};
 }
 
-std::vector<std::shared_ptr<const OrganSnapshot>> snapshotsOf(const Organs& organs) {
-  std::vector<std::shared_ptr<const OrganSnapshot>> snapshots;
+OrganSnapshots snapshotsOf(const Organs& organs) {
+  OrganSnapshots snapshots;
   snapshots.reserve(organs.size());
   for (const auto& organ : organs) snapshots.push_back(organ->snapshot());
   return snapshots;

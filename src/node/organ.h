@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "node/background_thread.h"
 #include "node/signal.h"
@@ -55,7 +56,7 @@ class Organ {
   /// the hierarchy is updated, if `mode` says so. kRebuild returns when the splits have been made
   /// anew after the moves; no query waits for that. Every snapshot taken after it returns has
   /// what it did, and whatever was enqueued before it was called. `expected_version` 0 means any,
-  /// else it must be the current one.
+  /// else it must be the current one. Throws what kept it from making the splits it was asked for.
   Applied update(VertexMoves moves, UpdateMode mode, std::uint32_t expected_version);
 
   /// Takes another mesh, after a cut say. Its hierarchy is built before anybody has to wait for it.
@@ -84,11 +85,13 @@ class Organ {
   /// measured.
   double costRatio() const { return cost_ratio_; }
 
-  /// The splits: how often they were made, why the last time, what speaks for doing it again.
+  /// The splits: how often they were made, why the last time, what speaks for doing it again, and
+  /// why that could not be done in the background; empty where it could.
   struct Builds {
     std::uint64_t count;
     std::string reason;
     std::string figures;
+    std::string failure;
   };
   Builds builds() const;
 
@@ -137,6 +140,7 @@ class Organ {
   std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits, or,
                                                    // once wear was measured, that one refitted
   std::shared_ptr<Rebuild> rebuild_;               // under way, or ready
+  std::string rebuild_failure_;                    // of the last one, if it failed
   std::uint64_t rebuilds_asked_ = 0;
   std::uint64_t rebuilds_served_ = 0;  // of those asked for, in order
 };
@@ -144,7 +148,8 @@ class Organ {
 using Organs = std::vector<std::unique_ptr<Organ>>;  // in the scene's order
 
 /// Of each organ, so that all that is answered at once is of one version.
-std::vector<std::shared_ptr<const OrganSnapshot>> snapshotsOf(const Organs& organs);
+using OrganSnapshots = std::vector<std::shared_ptr<const OrganSnapshot>>;
+OrganSnapshots snapshotsOf(const Organs& organs);
 
 /// The only organ needs no name. Throws std::invalid_argument naming those that there are.
 Organ& organNamed(const Organs& organs, const std::string& name);

@@ -3,6 +3,7 @@
 #include <organ_collision/Contact.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "convex/tool_proximity.h"
@@ -58,7 +59,7 @@ bool ProximityCycle::lookUp() {
   return news;
 }
 
-Proximity ProximityCycle::measure(Tracked& tracked, const Snapshots& snapshots,
+Proximity ProximityCycle::measure(Tracked& tracked, const OrganSnapshots& snapshots,
                                   const core::Accuracy& accuracy) const {
   const Eigen::Isometry3d& pose = tracked.pose.secondFromFirst();
   const auto& [of, first, second] = tracked.pair;
@@ -89,7 +90,7 @@ Proximity ProximityCycle::unlessFar(const Tracked& tracked, const core::Box& fir
   return toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
 }
 
-Proximity ProximityCycle::proximityOf(Tracked& tracked, const Snapshots& snapshots,
+Proximity ProximityCycle::proximityOf(Tracked& tracked, const OrganSnapshots& snapshots,
                                       const ros::Time& now, const core::Accuracy& accuracy) const {
   Proximity message = unknown(0.0);
   message.status = Contact::NO_POSE;
@@ -111,7 +112,7 @@ ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Acc
   const Stopwatch watch;
   ProximityArray array;
   array.header.frame_id = scene_.frame;
-  const Snapshots snapshots = snapshotsOf(organs_);
+  const OrganSnapshots snapshots = snapshotsOf(organs_);
   for (Tracked& tracked : tracked_) {
     array.proximities.push_back(proximityOf(tracked, snapshots, now, accuracy));
     array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);

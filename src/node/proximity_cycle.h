@@ -42,10 +42,9 @@ class ProximityCycle {
   };
 
   const std::string& nameOf(io::LikePair::Of of, std::size_t i) const;
-  using Snapshots = std::vector<std::shared_ptr<const OrganSnapshot>>;  // of all organs
-  Proximity proximityOf(Tracked& tracked, const Snapshots& snapshots, const ros::Time& now,
+  Proximity proximityOf(Tracked& tracked, const OrganSnapshots& snapshots, const ros::Time& now,
                         const core::Accuracy& accuracy) const;
-  Proximity measure(Tracked& tracked, const Snapshots& snapshots,
+  Proximity measure(Tracked& tracked, const OrganSnapshots& snapshots,
                     const core::Accuracy& accuracy) const;
   /// What `measure` finds, unless the boxes or that are farther apart than the scene looks.
   template <class Measure>

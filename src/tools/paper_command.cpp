@@ -68,7 +68,7 @@ void run(const Options& options, std::ostream& out) {
 
 int reproducePaper(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors) {
   return runProgram({"reproduce_paper", kUsage}, words, out, errors,
-                    [&](const auto& options) { run(optionsFrom(options), out); });
+                    [&](const auto& given) { run(optionsFrom(given), out); });
 }
 
 }  // namespace organ_collision::tools

@@ -73,7 +73,7 @@ void run(const Library& library, const Options& options, std::ostream& out) {
 
 int measureStability(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors,
                      const Library& library) {
-  const auto measure = [&](const auto& options) { run(library, optionsFrom(options), out); };
+  const auto measure = [&](const auto& given) { run(library, optionsFrom(given), out); };
   return runProgram({"measure_stability", kUsage}, words, out, errors, measure);
 }
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "arguments.h"
 #include "organ_collision/io/mesh_io.h"
@@ -105,13 +105,13 @@ void run(const Options& options, std::ostream& out, std::ostream& errors) {
   }
 
   std::vector<Job> jobs = sampledJobs(*organ, options);
-  const std::size_t sampled = jobs.size();
   if (options.tips) jobs.push_back({"tips of " + *options.tips, path});
   Trade trade{file.filename().string(),    organ->mesh().triangleCount(),          options.seed,
-              measureCosts(*organ, build), measureAll(*organ, jobs, options.seed), {}};
-  std::move(trade.bands.begin() + static_cast<std::ptrdiff_t>(sampled), trade.bands.end(),
-            std::back_inserter(trade.paths));
-  trade.bands.resize(sampled);
+              measureCosts(*organ, build), measureAll(*organ, jobs, options.seed), std::nullopt};
+  if (options.tips) {
+    trade.path = std::move(trade.bands.back());
+    trade.bands.pop_back();
+  }
 
   writeFile(options.output / "trade.csv", csv(trade));
   writeFile(options.output / "trade.svg", svg(figure(trade)));
@@ -123,7 +123,7 @@ void run(const Options& options, std::ostream& out, std::ostream& errors) {
 
 int measureTrade(const std::vector<std::string>& words, std::ostream& out, std::ostream& errors) {
   return runProgram({"measure_trade", kUsage}, words, out, errors,
-                    [&](const auto& options) { run(optionsFrom(options), out, errors); });
+                    [&](const auto& given) { run(optionsFrom(given), out, errors); });
 }
 
 }  // namespace organ_collision::tools

@@ -258,8 +258,7 @@ Plot plotOf(const BandTrade& band) {
 
 BandList allBands(const Trade& trade) {
   BandList bands = withTips(trade.bands);
-  const BandList paths = withTips(trade.paths);
-  bands.insert(bands.end(), paths.begin(), paths.end());
+  if (trade.path) bands.push_back(&*trade.path);
   return bands;
 }
 
@@ -318,14 +317,14 @@ std::string recommendation(const Trade& trade) {
       "95 % confidence in every band), and its time.\n";
   lines += recommendationFor("Within 5 mm of the surface", withTips(near));
   lines += recommendationFor("Anywhere", withTips(trade.bands));
-  for (const BandTrade& path : trade.paths) lines += recommendationFor(path.name, {&path});
+  if (trade.path) lines += recommendationFor(trade.path->name, {&*trade.path});
   return lines;
 }
 
 std::string report(const Trade& trade) {
   std::string text = trade.mesh + ": " + std::to_string(trade.triangles) + " triangles\n\n";
   for (const BandTrade& band : trade.bands) text += table(band) + "\n";
-  for (const BandTrade& path : trade.paths) text += table(path) + "\n";
+  if (trade.path) text += table(*trade.path) + "\n";
   return text + costLines(trade) + "\n" + recommendation(trade);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ struct Trade {
   std::size_t triangles;
   std::uint64_t seed;
   Costs costs;
-  std::vector<BandTrade> bands;  ///< those of bands(), in their order
-  std::vector<BandTrade> paths;  ///< the user's own tips, if any
+  std::vector<BandTrade> bands;   ///< those of bands(), in their order
+  std::optional<BandTrade> path;  ///< the user's own tips, if any
 };
 
 /// What is printed, in lines of at most 110 characters: a table for each band, the costs, and the

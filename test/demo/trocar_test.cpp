@@ -12,6 +12,13 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kTolerance =
     1e-15;  // [m], [rad]: a few roundings of decimetres and of angles up to pi
 
+/// Where the tip is [m], in the trocar's frame.
+Eigen::Vector3d tipInTrocar(const TrocarJoints& joints) {
+  const double across = std::cos(joints.pitch);
+  return joints.insertion * Eigen::Vector3d(across * std::sin(joints.yaw), -std::sin(joints.pitch),
+                                            across * std::cos(joints.yaw));
+}
+
 double distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm(); }
 
 TEST(Trocar, TheTipStraightBelowNeedsInsertionOnly) {

@@ -31,6 +31,7 @@ TEST(BackgroundThread, RunsItsTasksInOrder) {
 }
 
 TEST(BackgroundThread, StepsBackBehindTheOthers) {
+  if (priorityOfThisThread() >= 19) GTEST_SKIP() << "nothing steps back farther";
   BackgroundThread thread;
   std::promise<int> priority;
   thread.run([&priority] { priority.set_value(priorityOfThisThread()); });

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <random>
+#include <string>
+
 #include "node/organ.h"
 #include "test_meshes.h"
 
@@ -17,6 +20,30 @@ inline double heightOfTop(const Organ& organ) {
 inline core::Points crushed(core::Points points) {
   for (Eigen::Vector3d& point : points) point.x() *= 0.01;
   return points;
+}
+
+/// Asks a thousand questions around the organ's present surface.
+inline void ask(Organ& organ, const core::Accuracy& accuracy) {
+  std::mt19937 generator(61);
+  const auto snapshot = organ.snapshot();
+  const core::TriangleMesh& mesh = snapshot->organ.mesh();
+  for (int i = 0; i < 1024; ++i) {
+    const auto triangle = static_cast<core::TriangleId>(generator() % mesh.triangleCount());
+    const Eigen::Vector3d tip =
+        core::centroid(mesh.triangle(triangle)) + test::randomPoint(generator, 0.005);
+    organ.account(core::nearestTriangle(snapshot->organ, tip, accuracy), accuracy);
+  }
+}
+
+/// Flattens the organ and asks until it is to be rebuilt; returns what the last update answered.
+inline std::string wearOut(Organ& organ) {
+  organ.update({{}, crushed(organ.snapshot()->organ.mesh().positions())}, UpdateMode::kAuto, 0);
+  std::string reason;
+  for (int round = 0; round < 100000 && reason.find("rebuilding") == std::string::npos; ++round) {
+    ask(organ, core::Accuracy::greedy());
+    reason = organ.update({}, UpdateMode::kAuto, 0).reason;
+  }
+  return reason;
 }
 
 }  // namespace organ_collision::node

@@ -82,7 +82,7 @@ class MeshStream(DeformingLiver):
         self.assertGreater(len(versions), 10, "the organ moves")
         self.assertGreater(len(versions), 0.5 * (max(versions) - min(versions)), "contacts follow it")
 
-    def test_neither_streams_nor_contacts_wait_for_rebuilds(self):
+    def test_a_stream_leads_to_its_last_state_while_the_organ_is_rebuilt_over_and_over(self):
         stop = threading.Event()
 
         def rebuild():

@@ -74,11 +74,13 @@ class Statuses(unittest.TestCase):
             self.assertGreater(contact.age.to_sec(), STALE_AFTER)
 
     def test_a_contact_is_stale_exactly_when_its_age_is_over_the_limit(self):
-        self.put(self.above(0.01))
-        self.contacts.contact("moving", is_stale)
+        stamp = self.answer_to(self.above(0.01)).stamp
+        self.contacts.contact("moving", lambda contact: contact.stamp == stamp and is_stale(contact))
         contacts = [contact_of(array, "moving") for array in self.contacts.all()]
-        for contact in contacts[1:]:  # the first may be of the pose before, from another test
+        contacts = [contact for contact in contacts if contact.stamp == stamp]
+        for contact in contacts:
             self.assertEqual(is_stale(contact), contact.age.to_sec() > STALE_AFTER)
+        self.assertEqual({is_stale(contact) for contact in contacts}, {False, True})
 
     def test_contacts_carry_the_stamp_of_the_tip_and_its_age(self):
         for delay, status in ((2.0 * STALE_AFTER, Contact.STALE), (0.2 * STALE_AFTER, Contact.OK)):

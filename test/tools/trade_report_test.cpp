@@ -89,8 +89,8 @@ TEST(Recommendation, IsExactWhereThatCostsHardlyMore) {
 
 TEST(Recommendation, SpeaksOfTheUsersOwnTips) {
   Trade trade = tradeOf({bandOf("0-1 mm")});
-  trade.paths = {bandOf("tips of path.csv")};
-  set(trade.paths[0], kGreedy, 1e-6, 5e-4);
+  trade.path = bandOf("tips of path.csv");
+  set(*trade.path, kGreedy, 1e-6, 5e-4);
   EXPECT_THAT(recommendation(trade),
               HasSubstr("tips of path.csv:\n  for an error below 1 mm on this mesh: max_leaves 1"));
 }
@@ -149,7 +149,7 @@ TEST(Figure, EmphasisesWhatNoOtherSettingBeats) {
 
 TEST(Figure, HasAPlotForEachBandWithTips) {
   Trade trade = tradeOf({bandOf("0-1 mm"), emptyBand("inside")});
-  trade.paths = {bandOf("path")};
+  trade.path = bandOf("path");
   EXPECT_EQ(figure(trade).plots.size(), 2U);
 }
 
