@@ -102,6 +102,7 @@ void CollisionMesh::updateHealth(const Box& box) {
   HealthTally tally = wide_tree_.tally();
   if (isPerhapsFlat()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
   health_ = healthOf(*topology_, box, tally, parted_corners_);
+  outermost_ = topology_->outermost(mesh_);
   box_is_stale_ = false;
 }
 

@@ -94,7 +94,7 @@ class Diameter {
       const End farthest_out = *std::max_element(
           ends.begin(), ends.end(),
           [this](const End& a, const End& b) { return power(a.place) < power(b.place); });
-      if (walkFrom(farthest_out.index)) continue;  // its ball leaves fewer points outside
+      if (walkFrom(farthest_out.index)) continue;  // there are others outside its ball
       pairUp({ends.begin(), ends.end()}, farEnoughFor(power(farthest_out.place)));
       return best_;
     }
@@ -119,14 +119,14 @@ class Diameter {
   }
 
   /// Goes from a point to its farthest, from there to its farthest, while that makes the best pair
-  /// longer; returns whether it did.
+  /// longer; returns whether another pair is the best now, be it as long.
   bool walkFrom(std::size_t start) {
-    const double before = best_.squared_distance;
+    const FarthestPair before = best_;
     for (std::size_t from = start;;) {
       const double reached = best_.squared_distance;
       const FarPoint farthest = kernels().farthestFrom(points_, count_, plain(at(from)));
       note(pairOf(from, farthest.index, farthest.squared_distance));
-      if (farthest.squared_distance <= reached) return reached > before;
+      if (farthest.squared_distance <= reached) return isBetter(best_, before);
       from = farthest.index;
     }
   }

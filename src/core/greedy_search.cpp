@@ -49,7 +49,7 @@ Set setBelow(const CollisionMesh& organ, const Eigen::Vector3d& tip, Descent& de
   const GreedyGuide& guide = organ.wideTree().guide();
   Set set = guide.sets[descent.node];
   std::uint32_t split = 0;
-  for (std::uint32_t left = kLaneCount; left > 1;) {
+  for (std::uint32_t left = kLaneCount; left > 1 && !set.isLeaf();) {
     const std::uint32_t bit = 1U << split;
     const bool in_first = (descent.sure & bit) != 0 ? (descent.firsts & bit) != 0
                                                     : isNearerToFirstPole(organ, set, tip);

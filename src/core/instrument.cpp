@@ -76,7 +76,7 @@ void requireUsable(const Shape& shape) {
   for (const Vector3d* corner : {&core.a, &core.b, &core.c}) requireUsable(*corner, "tip", 0);
   if (radius >= 0.0 && radius < kLargestCoordinate) return;
   throw std::invalid_argument("radius is " + std::to_string(radius) +
-                              ": it must be finite and >= 0");
+                              ": it must be >= 0 and below 1e150");
 }
 
 std::optional<RoundShape> roundShape(const Shape& shape) {

@@ -269,13 +269,15 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
-  const bool may_be = closed_ && consistently_wound_ && parts_.size() == 1;
-  one_piece_ = may_be && findings.one_fan_each;
-  if (may_be && !one_piece_) findOutermost(mesh);
+  if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
+  if (!findings.one_fan_each) pieces_ = piecesOf(mesh);
+  one_piece_ =
+      std::all_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece == 0; });
+  if (one_piece_) pieces_ = {};
 }
 
 /// Of each triangle, one of those that it hangs together with across edges of two triangles.
-std::vector<std::uint32_t> MeshTopology::pieces(const TriangleMesh& mesh) const {
+std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh) const {
   std::vector<std::uint32_t> leads_to(mesh.triangleCount());
   std::iota(leads_to.begin(), leads_to.end(), 0U);
   std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
@@ -298,26 +300,29 @@ std::vector<std::uint32_t> MeshTopology::pieces(const TriangleMesh& mesh) const 
   return leads_to;
 }
 
+bool MeshTopology::isOf(std::uint32_t piece, Weld weld) const {
+  const TriangleRange around = trianglesAt(weld);
+  return std::all_of(around.begin(), around.end(),
+                     [&](TriangleId triangle) { return pieces_[index(triangle)] == piece; });
+}
+
+bool MeshTopology::isOf(std::uint32_t piece, const Corners& corners) const {
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](VertexId corner) { return isOf(piece, weld(corner)); });
+}
+
 /// The piece that reaches farthest along x: beyond it there is nothing, and so on all of its outer
 /// side.
-void MeshTopology::findOutermost(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> piece_of = pieces(mesh);
-  one_piece_ =
-      std::all_of(piece_of.begin(), piece_of.end(), [](std::uint32_t piece) { return piece == 0; });
-  if (one_piece_) return;
+std::optional<MeshTopology::Outermost> MeshTopology::outermost(const TriangleMesh& mesh) const {
+  if (pieces_.empty()) return std::nullopt;
   const auto at = [&](Weld weld) -> const Eigen::Vector3d& {
     return mesh.position(representatives_[weld]);
   };
   Weld farthest = weld(mesh.triangles().front()[0]);
   for (Weld weld = 0; weld < representatives_.size(); ++weld)
     if (offsets_[weld] != offsets_[weld + 1] && at(weld).x() > at(farthest).x()) farthest = weld;
-  const std::uint32_t piece = piece_of[index(*trianglesAt(farthest).begin())];
-  const auto is_of_piece = [&](VertexId corner) {
-    const TriangleRange around = trianglesAt(weld(corner));
-    return std::all_of(around.begin(), around.end(),
-                       [&](TriangleId triangle) { return piece_of[index(triangle)] == piece; });
-  };
-  if (!is_of_piece(representatives_[farthest])) return;
+  const std::uint32_t piece = pieces_[index(*trianglesAt(farthest).begin())];
+  if (!isOf(piece, farthest)) return std::nullopt;
   // The angle-weighted normal there points away from the piece or, if that is inverted, into it.
   constexpr double kClear = 0x1p-20;
   double along = 0.0;
@@ -331,17 +336,12 @@ void MeshTopology::findOutermost(const TriangleMesh& mesh) {
     const double angle = std::atan2(across.stableNorm(), to_next.dot(to_last));
     along += angle * across.stableNormalized().x();
   }
-  if (!(std::abs(along) > kClear)) return;
-  outermost_inverted_ = along < 0.0;
-  outermost_.resize(mesh.triangleCount());
-  for (std::size_t i = 0; i < outermost_.size(); ++i) {
-    const Corners& corners = mesh.triangles()[i];
-    outermost_[i] = std::all_of(corners.begin(), corners.end(), is_of_piece);
-  }
+  if (!(std::abs(along) > kClear)) return std::nullopt;
+  return Outermost{piece, along < 0.0};
 }
 
 std::size_t MeshTopology::memory() const {
-  return outermost_.capacity() / 8 + parts_.capacity() * sizeof(VertexId) +
+  return pieces_.capacity() * sizeof(std::uint32_t) + parts_.capacity() * sizeof(VertexId) +
          welds_.capacity() * sizeof(Weld) + representatives_.capacity() * sizeof(VertexId) +
          offsets_.capacity() * sizeof(std::uint32_t) +
          triangles_at_.capacity() * sizeof(TriangleId);

@@ -105,6 +105,7 @@ Proximity between(const Shape& first, const Shape& second, const Accuracy& accur
 }  // namespace
 
 Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy) {
+  requireUsable(accuracy);
   return between(
       first, second, accuracy,
       [&](const RigidMesh& one, const Isometry3d& other_from_one, const RigidMesh& other) {

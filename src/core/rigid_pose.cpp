@@ -1,5 +1,6 @@
 #include "core/rigid_pose.h"
 
+#include <Eigen/LU>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,8 @@ void requireRigid(const Eigen::Isometry3d& pose) {
   if (!(stretch <= kMost))
     throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
                                 ": it must be rigid");
+  if (pose.linear().determinant() < 0.0)
+    throw std::invalid_argument("a pose mirrors: it must be rigid");
   requireUsable(pose.translation(), "translation", 0);
 }
 

@@ -157,16 +157,21 @@ int crossing(const Triangle& triangle, const Eigen::Vector3d& point) {
   return turns;
 }
 
+/// Parts of the extent. Nearer than the first, rounding could turn the way to the nearest point of
+/// a needle; nearer than the second, of any triangle.
+constexpr double kProvenWay = 0x1p-30;
+constexpr double kLikelyWay = 0x1p-45;
+
 /// Whether the point to which `closest` is nearest is on that side of it to which the direction
-/// leads; nothing where rounding could turn that.
+/// leads; nothing where rounding could turn that, or it is nearer than `least`.
 std::optional<bool> isAbove(const Box& box, const ClosestPoint& closest,
-                            const Eigen::Vector3d& direction) {
+                            const Eigen::Vector3d& direction, double least) {
   const double distance = largestCoordinate(closest.offset);
   const double extent = distance + largestCoordinate(box.high - box.low);
   const Eigen::Vector3d offset =
       isSafe(closest.squared_distance) ? closest.offset : madeSafe(closest.offset);
   const double height = -offset.dot(direction);
-  if (!(distance > 0x1p-30 * extent && height * height > kClear * kClear * squaredLength(offset)))
+  if (!(distance > least * extent && height * height > kClear * kClear * squaredLength(offset)))
     return std::nullopt;
   return height > 0.0;
 }
@@ -179,9 +184,8 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
   SurfaceNormal normal = normalAt(organ, triangle, feature);
-  const bool inverted = organ.health().inverted;
-  if (inverted) normal.direction = -normal.direction;
-  normal.is_clear = normal.is_clear && organ.topology().tellsSide(triangle, inverted);
+  if (organ.health().inverted) normal.direction = -normal.direction;
+  normal.is_clear = normal.is_clear && organ.tellsSide(triangle);
   return normal;
 }
 
@@ -212,7 +216,7 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
   const MeshHealth& health = organ.health();
   if (!health.isSolid()) return std::nullopt;
   if (!health.box.contains(point)) return Side::kOutside;
-  const std::optional<bool> above = isAbove(health.box, closest, normal.direction);
+  const std::optional<bool> above = isAbove(health.box, closest, normal.direction, kProvenWay);
   const bool clear = normal.is_clear && above && !organ.isPerhapsFlat();
   const bool outside = clear ? *above : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
@@ -221,7 +225,8 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
 Eigen::Vector3d outwardNormal(const CollisionMesh& organ, const ClosestPoint& closest,
                               const SurfaceNormal& normal, Side side) {
   if (normal.is_clear) return normal.direction;
-  const std::optional<bool> above = isAbove(organ.health().box, closest, normal.direction);
+  const std::optional<bool> above =
+      isAbove(organ.health().box, closest, normal.direction, kLikelyWay);
   const bool leads_inwards = above && *above != (side == Side::kOutside);
   return leads_inwards ? Eigen::Vector3d(-normal.direction) : normal.direction;
 }

@@ -103,6 +103,15 @@ TEST_P(FarthestPairOnEveryVectorUnit, EqualsBruteForceOnTiesOfCubesGridsAndRings
   });
 }
 
+/// What is farthest outside a ball leads to another pair that is as long as the best.
+TEST(FarthestPair, OfALatticeIsNotLostToAnotherAsLongAsTheBestSoFar) {
+  expectBruteForce({{0, 0, 2}, {0, 5, 4}, {1, 0, 0}, {1, 2, 3}, {1, 4, 2}, {1, 4, 3}, {1, 4, 4},
+                    {1, 5, 5}, {2, 0, 0}, {2, 0, 4}, {2, 1, 4}, {2, 2, 1}, {2, 2, 3}, {2, 5, 3},
+                    {3, 2, 2}, {3, 3, 2}, {3, 3, 3}, {3, 4, 2}, {3, 5, 3}, {3, 5, 4}, {4, 0, 4},
+                    {4, 2, 4}, {4, 2, 5}, {4, 3, 0}, {4, 4, 0}, {4, 4, 3}, {4, 4, 4}, {4, 5, 4},
+                    {5, 0, 4}, {5, 1, 4}, {5, 2, 5}, {5, 4, 3}, {5, 4, 4}});
+}
+
 TEST_P(FarthestPairOnEveryVectorUnit, EqualsBruteForceWhereRoundingBlursTies) {
   expectBruteForceOn([](std::mt19937& generator) -> Eigen::Vector3d {
     return Eigen::Vector3d(generator() % 2, 0.0, 0.0) + test::randomPoint(generator, 0x1p-51);

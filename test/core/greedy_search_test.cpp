@@ -11,6 +11,7 @@
 #include "core/descend.h"
 #include "core/kernels.h"
 #include "every_vector_unit.h"
+#include "organ_collision/core/nearest_triangle.h"
 #include "organs_and_tips.h"
 
 namespace organ_collision::core {
@@ -129,6 +130,17 @@ TEST_P(GreedySearch, FindsItsWayWhereverTheOrganIsAndHoweverFarTheTip) {
         ASSERT_NO_FATAL_FAILURE(expectSamePath(organ, std::ldexp(1.0, 2 * i % 160) * tip));
       }
     }
+  }
+}
+
+/// Squares overflow there in single precision, and a single triangle has no poles to ask instead.
+TEST_P(GreedySearch, AnswersWhereOneTriangleIsFarAway) {
+  const CollisionMesh organ(
+      TriangleMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {test::corners(0, 1, 2)}));
+  for (const double far : {1e17, 1e20, 1e140}) {
+    const Eigen::Vector3d tip(far, 0, 0);
+    EXPECT_EQ(greedyTriangle(organ, tip), TriangleId{0});
+    EXPECT_EQ(nearestTriangle(organ, tip, Accuracy::greedy()).distance, far);
   }
 }
 

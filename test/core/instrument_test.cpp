@@ -69,6 +69,12 @@ TEST(Shape, IsNotUsableWhereAPoseStretchesIt) {
   EXPECT_THROW(requireUsable(cube), std::invalid_argument);
 }
 
+TEST(Shape, IsNotUsableWhereAPoseMirrorsIt) {
+  RigidMesh cube = rigidCube();
+  cube.pose = Eigen::Isometry3d(Eigen::Matrix4d(Eigen::Vector4d(1, -1, 1, 1).asDiagonal()));
+  EXPECT_THROW(requireUsable(cube), std::invalid_argument);
+}
+
 TEST(Shape, HasABoxAroundAllOfIt) {
   const Box capsule = boxOf(Shape(Capsule{{0, 5, 0}, {1, 2, 0}, 0.5}));
   EXPECT_EQ(capsule.low, Vector3d(-0.5, 1.5, -0.5));

@@ -169,6 +169,7 @@ TEST(Proximity, RefusesWhatIsNotUsable) {
   const Shape unusable = Sphere{{0, 0, 0}, -1.0};
   EXPECT_THROW(proximity(unusable, point), std::invalid_argument);
   EXPECT_THROW(proximity(point, unusable), std::invalid_argument);
+  EXPECT_THROW(proximity(point, point, {-1.0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(
       ProximityTracker().proximity(cubeAt({0, 0, 0}), 0.0, cubeAt({5, 0, 0}), 0.0, {-1.0, 0, 0}),
       std::invalid_argument);

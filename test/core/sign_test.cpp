@@ -121,15 +121,50 @@ TEST(Sign, HoldsWherePartsOfTheSurfaceTouch) {
       const CollisionMesh organ(mesh);
       EXPECT_EQ(organ.topology().parts().size(), 1U);
       EXPECT_FALSE(organ.topology().isOnePiece());
-      EXPECT_EQ(organ.topology().tellsSide(TriangleId{10}, organ.health().inverted),
-                part.position(VertexId{0}).isZero())
+      EXPECT_EQ(organ.tellsSide(TriangleId{10}), part.position(VertexId{0}).isZero())
           << "the cube's at x = 10, if that is outermost";
-      EXPECT_FALSE(organ.topology().tellsSide(TriangleId{10}, !organ.health().inverted));
       for (int i = 0; i < 1000; ++i) {
         const Eigen::Vector3d tip = randomPoint(generator, 7.0) + Eigen::Vector3d::Constant(6.0);
         ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
       }
     }
+  }
+}
+
+/// A small tetrahedron that hangs at a cube's corner, and then lies within it.
+TEST(Sign, HoldsWhereAnotherPieceHasBecomeOutermost) {
+  const TriangleMesh cube = test::placed(test::cube(), 10.0, {0, 0, 0});
+  const TriangleMesh small(
+      {{10, 10, 10}, {13, 11, 11}, {11, 13, 11}, {11, 11, 13}},
+      {corners(0, 2, 1), corners(0, 1, 3), corners(0, 3, 2), corners(1, 2, 3)});
+  const Points within = {{9, 7, 9}, {7, 9, 9}, {9, 9, 7}};
+  const TriangleMesh mesh = test::joined(cube, small);
+  const std::size_t first = mesh.positions().size() - within.size();
+  std::vector<VertexId> moved;
+  Points positions = mesh.positions();
+  for (std::size_t i = 0; i < within.size(); ++i) {
+    moved.push_back(static_cast<VertexId>(first + i));
+    positions[first + i] = within[i];
+  }
+  std::mt19937 generator(64);
+  for (const bool is_whole : {true, false}) {
+    CollisionMesh organ(mesh);
+    is_whole ? organ.refit(positions) : organ.refit(moved, within);
+    ASSERT_TRUE(organ.health().isSolid());
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector3d tip = randomPoint(generator, 6.0) + Eigen::Vector3d::Constant(5.0);
+      ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0) << tip.transpose();
+    }
+  }
+}
+
+TEST(Sign, ComesWithANormalThatLeadsOutwardsHoweverNearTheTipIs) {
+  const TriangleMesh cube = test::placed(test::cube(), 4.0, {0, 0, 0});
+  const CollisionMesh organ(test::joined(cube, test::placed(test::cube(), 1.0, {1, 1, 1})));
+  for (const double height : {0x1p-20, 0x1p-30, 0x1p-40}) {
+    const NearestTriangle nearest = nearestTriangle(organ, Eigen::Vector3d(1.25, 1.5, 2 + height));
+    EXPECT_LT(nearest.distance, 0.0);
+    EXPECT_EQ(nearest.normal, Eigen::Vector3d(0, 0, -1)) << height;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "organ_collision/core/farthest_pair_tree.h"
@@ -29,6 +30,14 @@ class CollisionMesh {
   /// equally near then, and no normal tells which is the outer one.
   bool isPerhapsFlat() const;
 
+  /// Whether the pseudonormals of a triangle tell inside from outside, of a surface that does not
+  /// cross itself: those of all if it is one piece; of what touches itself, those of the piece that
+  /// is outermost, where nothing else touches that.
+  bool tellsSide(TriangleId triangle) const {
+    return topology_->isOnePiece() || (outermost_ && outermost_->inverted == health_.inverted &&
+                                       topology_->isOf(outermost_->piece, mesh_.corners(triangle)));
+  }
+
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
   /// std::invalid_argument and changes nothing if the positions do not fit the mesh (see
   /// TriangleMesh::setPositions()). After std::bad_alloc, also of the other
@@ -37,8 +46,8 @@ class CollisionMesh {
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
   /// they add to the health. `positions` [m] are those of `moved`, in its order. O(k log n) for k
-  /// vertices, but for what sticks out of the box of the last whole refit or leaves its faces:
-  /// O(n).
+  /// vertices, but for what sticks out of the box of the last whole refit or leaves its faces, and
+  /// for surfaces of pieces that touch: O(n).
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
   /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing.
@@ -68,6 +77,7 @@ class CollisionMesh {
   WideTree wide_tree_;
   std::size_t parted_corners_ = 0;
   MeshHealth health_;
+  std::optional<MeshTopology::Outermost> outermost_;
   bool box_is_stale_ = false;  // the health's may be too large: some of it has moved inwards
   std::uint64_t splits_number_, positions_number_;
 };

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "organ_collision/core/triangle_mesh.h"
@@ -40,13 +41,17 @@ class MeshTopology {
   /// It is closed and consistently wound, and all of it hangs together across edges of two
   /// triangles each, rather than by touching itself at vertices or edges.
   bool isOnePiece() const { return one_piece_; }
-  /// Whether the pseudonormals of a triangle tell inside from outside, of a surface that does not
-  /// cross itself and is inverted or not: those of all if it is one piece; of what touches itself,
-  /// those of the piece that is outermost, where nothing else touches that.
-  bool tellsSide(TriangleId triangle, bool inverted) const {
-    return one_piece_ ||
-           (!outermost_.empty() && outermost_[index(triangle)] && inverted == outermost_inverted_);
-  }
+  /// Of a surface that is several pieces which touch, the one that is outermost, and whether that
+  /// is inverted.
+  struct Outermost {
+    std::uint32_t piece;
+    bool inverted;
+  };
+  /// Where the vertices are now; nothing where that is not clear, or there are no such pieces. O(n)
+  /// if there are.
+  std::optional<Outermost> outermost(const TriangleMesh& mesh) const;
+  /// Whether all that meets the triangle with these corners is of that piece.
+  bool isOf(std::uint32_t piece, const Corners& corners) const;
   /// A vertex of each part of the surface that hangs together. Vertices without a triangle aside.
   const std::vector<VertexId>& parts() const { return parts_; }
   /// With the same corners as an earlier one.
@@ -67,8 +72,8 @@ class MeshTopology {
   void listTriangles(const TriangleMesh& mesh);
   void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
-  void findOutermost(const TriangleMesh& mesh);
-  std::vector<std::uint32_t> pieces(const TriangleMesh& mesh) const;
+  std::vector<std::uint32_t> piecesOf(const TriangleMesh& mesh) const;
+  bool isOf(std::uint32_t piece, Weld weld) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own
   std::vector<VertexId> representatives_;  // of each weld: its first vertex
@@ -78,8 +83,7 @@ class MeshTopology {
   bool closed_ = true;
   bool consistently_wound_ = true;
   bool one_piece_ = false;
-  std::vector<bool> outermost_;  // triangles; none if that is not known, or it is one piece
-  bool outermost_inverted_ = false;
+  std::vector<std::uint32_t> pieces_;  // of each triangle, where several pieces touch; else none
   std::size_t duplicate_triangles_ = 0;
 };
 

@@ -12,7 +12,9 @@ namespace organ_collision::core {
 struct Accuracy {
   double max_relative_error = 0.0;  ///< e: distance found <= (1 + e) * nearest distance
   double max_absolute_error = 0.0;  ///< [m] distance found <= nearest distance + this
-  std::uint32_t max_leaves = 0;  ///< triangles looked at; 0: no limit, 1: the paper's greedy search
+  /// Triangles looked at, the one that the paper's search leads to perhaps twice; 0: no limit, 1:
+  /// that one alone.
+  std::uint32_t max_leaves = 0;
 
   static Accuracy exact() { return {}; }
   static Accuracy greedy() { return {0.0, 0.0, 1}; }
