@@ -140,9 +140,9 @@ void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
 void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
-    const std::string refusal = intake_.take(*event.getConstMessage(), event.getPublisherName(),
-                                             is_static, ros::Time::now());
-    if (!refusal.empty() && tf_log_.allows(refusal)) ROS_WARN("%s", refusal.c_str());
+    for (const std::string& complaint : intake_.take(
+             *event.getConstMessage(), event.getPublisherName(), is_static, ros::Time::now()))
+      if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
@@ -223,10 +223,10 @@ core::Accuracy CollisionNode::accuracy() const {
 
 void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event) {
   const MeshUpdate& update = *event.getConstMessage();
-  const std::uint32_t missed = missedBefore(event);
+  missed_updates_ += missedBefore(event);
   try {
     Organ& organ = organNamed(organs_, update.organ);
-    for (std::uint32_t i = 0; i < missed; ++i) organ.countLostUpdate();
+    for (; missed_updates_ > 0; --missed_updates_) organ.countLostUpdate();  // its own, most likely
     enqueue(organ, update);
   } catch (const std::exception& error) {
     std::string refusal = "an update of the mesh of '" + update.organ + "' by " +

@@ -117,9 +117,10 @@ class CollisionNode {
   std::atomic<bool> stopping_{false};
   std::thread updater_;
 
-  ros::CallbackQueue update_queue_;  // worked off by update_spinner_ alone
-  SequenceGaps update_gaps_;         // update_spinner_ alone
-  LogLimit update_log_;              // update_spinner_ alone
+  ros::CallbackQueue update_queue_;   // worked off by update_spinner_ alone
+  SequenceGaps update_gaps_;          // update_spinner_ alone
+  std::uint64_t missed_updates_ = 0;  // and not yet counted; update_spinner_ alone
+  LogLimit update_log_;               // update_spinner_ alone
   ros::Subscriber mesh_update_subscriber_;
   ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;

@@ -1,6 +1,7 @@
 #include "node/log_limit.h"
 
 #include <cctype>
+#include <cstdlib>
 #include <iterator>
 
 namespace organ_collision::node {
@@ -8,15 +9,31 @@ namespace {
 
 constexpr std::size_t kMostTexts = 64;  // texts at a time: who sends ever new names fills no memory
 
+bool isNumber(const std::string& word) {
+  char* end = nullptr;
+  std::strtod(word.c_str(), &end);
+  return !word.empty() && *end == '\0';
+}
+
+/// Without the words that are numbers, nan and inf too, but for names.
 std::string withoutNumbers(const std::string& text) {
   bool in_name = false;
-  const auto is_of_number = [&in_name](unsigned char c) {
-    in_name = in_name != (c == '\'');
-    return !in_name && std::isdigit(c) != 0;
-  };
   std::string kept;
-  for (const char c : text)
-    if (!is_of_number(static_cast<unsigned char>(c))) kept += c;
+  std::string word;
+  const auto end_word = [&] {
+    if (in_name || !isNumber(word)) kept += word;
+    word.clear();
+  };
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.') {
+      word += c;
+      continue;
+    }
+    end_word();
+    in_name = in_name != (c == '\'');
+    kept += c;
+  }
+  end_word();
   return kept;
 }
 

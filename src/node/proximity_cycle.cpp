@@ -66,9 +66,11 @@ Proximity ProximityCycle::measure(Tracked& tracked, const OrganSnapshots& snapsh
   if (of == io::LikePair::Of::kInstruments) {
     const core::Shapes& shapes = instruments_[first].shapes;
     const core::Shapes& others = instruments_[second].shapes;
+    // As all that is followed.
+    const core::Accuracy kept = accuracy.max_leaves != 0 ? accuracy : core::Accuracy::exact();
     return unlessFar(tracked, core::boxOf(shapes, pose),
                      core::boxOf(others, Eigen::Isometry3d::Identity()),
-                     [&] { return convex::toolProximity(shapes, pose, others, accuracy); });
+                     [&] { return convex::toolProximity(shapes, pose, others, kept); });
   }
   const auto& snapshot = snapshots[first];
   const auto& other_snapshot = snapshots[second];

@@ -53,9 +53,9 @@ std::string refusalOf(const TransformStamped& transform, const std::string& publ
 
 }  // namespace
 
-/// What tf has that does not go with it, or nothing; then it is noted. tf2 itself would tell no
+/// Notes a transform, or returns what tf has that does not go with it. tf2 itself would tell no
 /// more than the console, each time.
-std::string TransformIntake::conflictOf(const TransformStamped& transform, bool is_static) {
+std::string TransformIntake::admit(const TransformStamped& transform, bool is_static) {
   const std::string& frame = transform.child_frame_id;
   const std::string name = frame.substr(frame.front() == '/' ? 1 : 0);  // as tf2 has it
   Known& known = known_.try_emplace(name, Known{is_static, ros::Time()}).first->second;
@@ -72,12 +72,13 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
   return "";
 }
 
-std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std::string& publisher,
-                                  bool is_static, const ros::Time& now) {
-  std::string refusal;
+std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& message,
+                                               const std::string& publisher, bool is_static,
+                                               const ros::Time& now) {
+  std::vector<std::string> complaints;
   if (now < last_) {
-    refusal = "time jumped back by " + std::to_string(last_.toSec() - now.toSec()) +
-              " s: what tf said before is forgotten";
+    complaints.push_back("time jumped back by " + std::to_string(last_.toSec() - now.toSec()) +
+                         " s: what tf said before is forgotten");
     buffer_.clear();  // but for static transforms
     for (auto& [name, known] : known_) known.newest = ros::Time();
   }
@@ -85,7 +86,7 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
   for (TransformStamped transform : message.transforms) {
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
-    if (fault.empty()) fault = conflictOf(transform, is_static);
+    if (fault.empty()) fault = admit(transform, is_static);
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);
@@ -94,9 +95,9 @@ std::string TransformIntake::take(const tf2_msgs::TFMessage& message, const std:
     } catch (const std::exception& error) {
       fault = error.what();
     }
-    if (!fault.empty()) refusal = refusalOf(transform, publisher, fault);
+    if (!fault.empty()) complaints.push_back(refusalOf(transform, publisher, fault));
   }
-  return refusal;
+  return complaints;
 }
 
 }  // namespace organ_collision::node

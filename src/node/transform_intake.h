@@ -6,6 +6,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace organ_collision::node {
 
@@ -26,10 +27,11 @@ class TransformIntake {
   /// `buffer` must outlive this.
   explicit TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {}
 
-  /// Returns why a transform was refused; empty: none was. `now` is the clock that the stamps are
-  /// of. Never throws for what a transform says.
-  std::string take(const tf2_msgs::TFMessage& message, const std::string& publisher, bool is_static,
-                   const ros::Time& now);
+  /// Returns what there is to complain of: why each transform was refused that was, and that time
+  /// jumped back. `now` is the clock that the stamps are of. Never throws for what a transform
+  /// says.
+  std::vector<std::string> take(const tf2_msgs::TFMessage& message, const std::string& publisher,
+                                bool is_static, const ros::Time& now);
 
  private:
   /// What tf has of a frame.
@@ -38,7 +40,7 @@ class TransformIntake {
     ros::Time newest;  // since time last jumped back
   };
 
-  std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static);
+  std::string admit(const geometry_msgs::TransformStamped& transform, bool is_static);
 
   tf2::BufferCore& buffer_;
   ros::Time last_;                      // when take() was last called

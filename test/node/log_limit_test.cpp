@@ -25,6 +25,13 @@ TEST(LogLimit, TellsNamesApartThatDifferInTheirNumbers) {
   EXPECT_FALSE(limit.allows("'psm2' is 4 s old", kStart));
 }
 
+TEST(LogLimit, KnowsNumbersOfAnyForm) {
+  LogLimit limit;
+  EXPECT_TRUE(limit.allows("its rotation (0.5, -1e-07, nan, 3) is not of length 1.", kStart));
+  EXPECT_FALSE(limit.allows("its rotation (-inf, 2, +4.5, -nan) is not of length 1.", kStart));
+  EXPECT_TRUE(limit.allows("its rotation (0.5, x, nan, 3) is not of length 1.", kStart));
+}
+
 TEST(LogLimit, AllowsAFewOfManyThingsAtATime) {
   LogLimit limit;
   std::string name;

@@ -162,6 +162,19 @@ TEST_F(ProximityOfBlobs, KeepsToTheAccuracyAskedForAndTellsItsBounds) {
   }
 }
 
+TEST_F(ProximityOfBlobs, IsExactUnlessTheLeavesAreFew) {
+  instruments_[1].shapes = {core::Sphere{{2.0, 0.7, 0.3}, 0.1}};
+  place("liver", "stomach", {3.0, 2.0, 1.0}, ros::Time(1.0), true);
+  cycle_.lookUp();
+  const ProximityArray exact = cycle_.proximities(ros::Time(1.0), {});
+  const ProximityArray allowed = cycle_.proximities(ros::Time(1.0), {0.5, 0.5, 0});
+  for (const std::size_t i : {0, 1}) {
+    EXPECT_GT(exact.proximities[i].distance, 0.1);
+    EXPECT_EQ(allowed.proximities[i].lower_bound, exact.proximities[i].distance);
+    EXPECT_EQ(allowed.proximities[i].upper_bound, exact.proximities[i].distance);
+  }
+}
+
 TEST_F(ProximityOfBlobs, FollowsEitherOrganWhenItDeforms) {
   std::mt19937 generator(5);
   for (int i = 0; i < 120; ++i) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "node/frame_lookup.h"
 
@@ -16,6 +17,12 @@ using testing::HasSubstr;
 
 class TransformIntakeTest : public testing::Test {
  protected:
+  /// Empty if there is none.
+  static std::string onlyOf(const std::vector<std::string>& complaints) {
+    EXPECT_LE(complaints.size(), 1U);
+    return complaints.empty() ? "" : complaints.front();
+  }
+
   /// What is complained of when it is heard at `now` that `child` was at (x, 0, 0) in `parent` at
   /// `stamp`.
   std::string hear(const std::string& child, double x, const ros::Time& stamp, const ros::Time& now,
@@ -28,7 +35,7 @@ class TransformIntakeTest : public testing::Test {
     transform.child_frame_id = child;
     transform.transform.translation.x = x;
     transform.transform.rotation.w = 1.0;
-    return intake_.take(message, "test", is_static, now);
+    return onlyOf(intake_.take(message, "test", is_static, now));
   }
 
   bool knows(const std::string& frame) const {
@@ -110,7 +117,7 @@ TEST_F(TransformIntakeTest, ARotationThatIsRoundedScalesNothing) {
     transform.child_frame_id = "rounded";
     transform.transform.rotation.z = part;
     transform.transform.rotation.w = part;
-    EXPECT_EQ(intake_.take(message, "test", true, ros::Time(1.0)), "");
+    EXPECT_EQ(onlyOf(intake_.take(message, "test", true, ros::Time(1.0))), "");
     const auto pose = lookUpFrame(buffer_, "liver", "rounded").pose;
     ASSERT_TRUE(pose);
     EXPECT_NEAR((pose->target_from_source * Eigen::Vector3d(0.3, 0.0, 0.0)).norm(), 0.3, 1e-15);
@@ -127,7 +134,7 @@ TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
     transform.child_frame_id = "tip";
     transform.transform.rotation.w = 1.0;
     spoil(transform);
-    return intake_.take(message, "/arm", false, ros::Time(1.0));
+    return onlyOf(intake_.take(message, "/arm", false, ros::Time(1.0)));
   };
   using Transform = geometry_msgs::TransformStamped;
   EXPECT_EQ(refusal([](Transform& t) { t.transform.rotation.w = 0.0; }),
@@ -154,10 +161,24 @@ TEST_F(TransformIntakeTest, WhatIsRefusedTakesNothingElseOfItsMessageWithIt) {
     transform.transform.rotation.w = child == std::string("bad") ? 0.0 : 1.0;
     message.transforms.push_back(transform);
   }
-  EXPECT_THAT(intake_.take(message, "test", false, ros::Time(1.0)), HasSubstr("'bad'"));
+  EXPECT_THAT(onlyOf(intake_.take(message, "test", false, ros::Time(1.0))), HasSubstr("'bad'"));
   EXPECT_TRUE(knows("first"));
   EXPECT_FALSE(knows("bad"));
   EXPECT_TRUE(knows("last"));
+}
+
+TEST_F(TransformIntakeTest, TellsAllThatThereIsToComplainOf) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  tf2_msgs::TFMessage message;
+  for (const char* const child : {"first", "second"}) {
+    message.transforms.emplace_back();  // rotated by nothing
+    message.transforms.back().header.frame_id = "liver";
+    message.transforms.back().header.stamp = ros::Time(1.0);
+    message.transforms.back().child_frame_id = child;
+  }
+  EXPECT_THAT(
+      intake_.take(message, "test", false, ros::Time(1.0)),
+      testing::ElementsAre(HasSubstr("jumped back"), HasSubstr("'first'"), HasSubstr("'second'")));
 }
 
 /// tf2 would keep calling the first one static, and so never old.
