@@ -61,10 +61,10 @@ class Load(unittest.TestCase):
         wait_until(lambda: cls.info().mesh_version == 2, "the first update")
 
     @classmethod
-    def send(cls, indices):
+    def send(cls, indices, organ="liver"):
         """Moves these vertices a little."""
         moved = cls.vertices[indices] + np.random.default_rng().normal(scale=1e-4, size=(len(indices), 3))
-        message = MeshUpdate(organ="liver", indices=indices, positions=np.ravel(moved).astype(np.float32))
+        message = MeshUpdate(organ=organ, indices=indices, positions=np.ravel(moved).astype(np.float32))
         message.header.frame_id = "liver"
         cls.stream.publish(message)
 
@@ -149,7 +149,9 @@ class Load(unittest.TestCase):
     def test_what_is_lost_on_the_way_is_counted(self):
         start = self.info()
         self.send(np.arange(3))
-        self.stream.impl.seq += 7  # as if the queue had dropped so many
+        self.stream.impl.seq += 3  # as if the queue had dropped so many
+        self.send(np.arange(3), organ="nobody's")
+        self.stream.impl.seq += 4
         self.send(np.arange(3))
         self.wait_for_account(start, 2 + 7)
         self.assertEqual(self.info().updates_lost, start.updates_lost + 7)
