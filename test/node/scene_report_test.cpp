@@ -32,7 +32,7 @@ TEST(SceneReport, TellsForWhomEachThingWasBuilt) {
   const core::RigidMesh jaw{std::make_shared<const core::CollisionMesh>(test::blob(4)),
                             Eigen::Isometry3d::Identity(), true};
   std::array<char, 32> megabytes{};
-  std::snprintf(megabytes.data(), megabytes.size(), "%.2f",
+  std::snprintf(megabytes.data(), megabytes.size(), "%.3f",
                 1e-6 * static_cast<double>(jaw.surface->memory()));
   const Instruments instruments = {{"tip", "tip", {Eigen::Vector3d(0, 0, 0)}, 0.0},
                                    {"jaw", "jaw", {jaw, core::Sphere{{0, 0, 0}, 1}}, 0.25},
