@@ -226,7 +226,7 @@ void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& ev
   missed_updates_ += missedBefore(event);
   try {
     Organ& organ = organNamed(organs_, update.organ);
-    for (; missed_updates_ > 0; --missed_updates_) organ.countLostUpdate();  // its own, most likely
+    organ.countLostUpdates(std::exchange(missed_updates_, 0));  // its own, most likely
     enqueue(organ, update);
   } catch (const std::exception& error) {
     std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
@@ -255,7 +255,7 @@ void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
     organ.requireFrame(update.header.frame_id);
     organ.enqueue(movesFrom(update));
   } catch (const std::exception&) {
-    organ.countLostUpdate();
+    organ.countLostUpdates(1);
     publishMeshInfo();
     throw;
   }
@@ -272,7 +272,7 @@ void CollisionNode::updateOrgans() {
         changed = organ->work() || changed;
       } catch (const std::exception& error) {  // memory, most likely: what is there goes on
         ROS_ERROR("%s: could not be updated: %s", organ->name().c_str(), error.what());
-        organ->countLostUpdate();
+        organ->countLostUpdates(1);
       }
     }
     if (changed) publishMeshInfo();

@@ -87,9 +87,9 @@ void Organ::requireFrame(const std::string& frame) const {
                               frame_ + "'");
 }
 
-void Organ::countLostUpdate() {
+void Organ::countLostUpdates(std::uint64_t count) {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
-  ++counters_.updates_lost;
+  counters_.updates_lost += count;
 }
 
 void Organ::enqueue(VertexMoves moves) {

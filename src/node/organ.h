@@ -66,9 +66,9 @@ class Organ {
   /// Does not wait for an update under way.
   void enqueue(VertexMoves moves);
 
-  /// Counts an update that a queue dropped, or that was refused before it was tried or by
+  /// Counts updates that a queue dropped, or that were refused before they were tried or by
   /// enqueue().
-  void countLostUpdate();
+  void countLostUpdates(std::uint64_t count);
 
   /// Does what waits: moves enqueued, a rebuild that is ready or due. True if that changed what
   /// snapshot() tells.

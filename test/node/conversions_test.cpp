@@ -162,7 +162,7 @@ TEST(Conversions, OfAnOrganTellEachFaultOfItsMesh) {
 TEST(Conversions, OfAnOrganTellWhatBecameOfItsUpdates) {
   Organ organ = cube();
   for (const double z : {2.0, 3.0, 4.0}) organ.enqueue(test::movesOf({7}, {{1, 1, z}}));
-  organ.countLostUpdate();
+  organ.countLostUpdates(1);
   organ.work();
   const MeshInfo info = toMessage(organ);
   EXPECT_EQ(info.updates_merged, 2);
