@@ -92,8 +92,20 @@ inline ProvenSides sidesOf(const Descent& descent, const PacketSplits& packet) {
   return {sides, (rounding <= sides * sides).bits()};
 }
 
+/// What was found. Where it is what the last descent found, the processor goes on without it, as a
+/// branch can be foreseen, while a number is waited for: so no level of a descent that goes the way
+/// of the last one waits for the level above.
+inline std::uint32_t foreseen(std::uint32_t found, std::uint32_t& last) {
+  std::uint32_t same = last;
+  __asm__("" : "+r"(same));  // or the compiler would see that it may as well use `found`
+  if (found == last) return same;
+  last = found;
+  return found;
+}
+
 /// From descent.node to a leaf; false, at some node, where rounding could decide wrongly.
 inline bool descend(Descent& descent) {
+  std::uint32_t* last = descent.last_way->data();
   for (std::uint32_t node_number = descent.node;;) {
     const NodeSplits& node = descent.nodes[node_number];
     const Lanes<float> sides = sidesOf(vectorOf<float>(descent.tip), node);
@@ -104,7 +116,8 @@ inline bool descend(Descent& descent) {
       descent.sure = sureSides(descent, node, sides);
       if (!below.isSure(descent.sure)) return false;
     }
-    const std::uint32_t set = node.sets[below.set];
+    const std::uint32_t set = foreseen(node.sets[below.set], *last);
+    if (last != &descent.last_way->back()) ++last;
     if ((set & kPacketBit) == 0) {
       node_number = set;
       descent.splits += below.splits();
@@ -121,7 +134,7 @@ inline bool descend(Descent& descent) {
       descent.sure = 0;  // from the node on, all is asked again
       return false;
     }
-    descent.leaf = first_leaf + leaf.set;
+    descent.leaf = foreseen(first_leaf + leaf.set, *last);
     descent.splits += below.splits() + leaf.splits();
     return true;
   }

@@ -8,6 +8,10 @@
 
 namespace organ_collision::core {
 
+/// Where a descent went: a set on each level, as far as there is room, in the end a leaf. What it
+/// holds changes only how fast the next one is.
+using LastWay = std::array<std::uint32_t, 16>;
+
 /// The paper's search on its way down: what it is given, and where it has come. Lengths in the unit
 /// frame.
 struct Descent {
@@ -15,6 +19,7 @@ struct Descent {
   const PacketSplits* packets;
   const TrianglePacket* triangles;  ///< of the packets
   const Corners* leaf_corners;      ///< of them, by leaf
+  LastWay* last_way;
   std::array<float, 3> tip;
   float reach;     ///< 1 and the largest magnitude of the tip's coordinates, at least
   float rounding;  ///< of differences of squared distances in double precision

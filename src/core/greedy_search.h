@@ -29,10 +29,12 @@ inline Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip)
   const double reach = 1.0 + largestCoordinate(unit_tip);
   const double offset_of_mesh = largestCoordinate(frame.centre) * frame.scale;
   const Eigen::Vector3f place = unit_tip.cast<float>();
+  static thread_local LastWay last_way = {};
   return {guide.nodes.data(),
           guide.packets.data(),
           organ.wideTree().packets().data(),
           organ.wideTree().corners().data(),
+          &last_way,
           {place.x(), place.y(), place.z()},
           static_cast<float>(reach),
           static_cast<float>(kPoleRounding * reach * (reach + offset_of_mesh))};
