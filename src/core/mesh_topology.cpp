@@ -127,11 +127,7 @@ class MeshTopology::Inspector {
       : topology_(topology), mesh_(mesh) {}
 
   void inspect(Weld weld, Findings& findings) {
-    bool is_one_fan = false;
-    if (areClosedFans(weld, is_one_fan)) {
-      findings.one_fan_each = findings.one_fan_each && is_one_fan;
-      return;
-    }
+    if (isClosedFan(weld)) return;
     findings.one_fan_each = false;
     edges_.clear();
     opposite_sides_.clear();
@@ -160,68 +156,47 @@ class MeshTopology::Inspector {
 
  private:
   /// As many as are around nearly all vertices of an organ; some more; many.
-  static constexpr std::size_t kFew = 8;
-  static constexpr std::size_t kSome = 16;
-  static constexpr std::size_t kMany = 32;
+  static constexpr std::uint32_t kFew = 8;
+  static constexpr std::uint32_t kSome = 16;
+  static constexpr std::uint32_t kMany = 32;
 
-  template <std::size_t kMost>
-  using Ends = std::array<Weld, kMost>;
-
-  /// Whether each triangle goes on where one other ends, and no two are each other's back; and
-  /// whether they are one fan, not several. It may be false of closed fans of very many triangles.
-  bool areClosedFans(Weld weld, bool& is_one_fan) const {
+  /// Whether the triangles here go on one where another ends, all in one turn of three or more. It
+  /// may be false of very many.
+  bool isClosedFan(Weld weld) const {
     const TriangleRange triangles = topology_.trianglesAt(weld);
     const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
-    if (count <= kFew) return areClosedFans<kFew>(weld, is_one_fan);
-    if (count <= kSome) return areClosedFans<kSome>(weld, is_one_fan);
-    return count <= kMany && areClosedFans<kMany>(weld, is_one_fan);
+    if (count <= kFew) return isClosedFan<kFew>(triangles, weld);
+    if (count <= kSome) return isClosedFan<kSome>(triangles, weld);
+    return count <= kMany && isClosedFan<kMany>(triangles, weld);
   }
 
-  template <std::size_t kMost>
-  bool areClosedFans(Weld weld, bool& is_one_fan) const {
-    const TriangleRange triangles = topology_.trianglesAt(weld);
-    const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
-    Ends<kMost> from;
-    Ends<kMost> to;
+  template <std::uint32_t kMost>
+  bool isClosedFan(const TriangleRange& triangles, Weld weld) const {
+    std::array<Weld, kMost> from;  // their other corners
+    std::array<Weld, kMost> to;
     from.fill(kNoWeld);
-    to.fill(kNoWeld);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::array<Weld, 3> welds = weldsOf(triangles.first[i]);
+    std::uint32_t count = 0;
+    for (const TriangleId& triangle : triangles) {
+      const std::array<Weld, 3> welds = weldsOf(triangle);
       const std::size_t here = (welds[1] == weld ? 1U : 0U) + (welds[2] == weld ? 2U : 0U);
       if (here == 3) return false;
-      from[i] = welds[(here + 1) % 3];
-      to[i] = welds[(here + 2) % 3];
+      from[count] = welds[(here + 1) % 3];
+      to[count] = welds[(here + 2) % 3];
+      ++count;
     }
-    std::array<std::uint32_t, kMost> next;
-    std::size_t running_on = 0;
-    for (std::size_t i = 0; i < count; ++i) running_on += runsOn(from, to, i, next[i]) ? 1 : 0;
-    if (running_on != count) return false;
-    std::size_t turn = 0;
-    for (std::size_t i = 0; turn < count; i = next[i], ++turn)
-      if (i == 0 && turn > 0) break;
-    is_one_fan = turn == count;
-    return true;
-  }
-
-  /// Whether of a fan's triangles one comes before this, one after it, `next`, and none is its
-  /// back.
-  template <std::size_t kMost>
-  static bool runsOn(const Ends<kMost>& from, const Ends<kMost>& to, std::size_t i,
-                     std::uint32_t& next) {
-    std::uint32_t before = 0;
-    std::uint32_t after = 0;
-    std::uint32_t backs = 0;
-    std::uint32_t numbers = 0;
-    for (std::uint32_t j = 0; j < kMost; ++j) {
-      const std::uint32_t comes_before = to[j] == from[i] ? 1U : 0U;
-      const std::uint32_t comes_after = from[j] == to[i] ? 1U : 0U;
-      before += comes_before;
-      after += comes_after;
-      backs += comes_before & comes_after;
-      numbers += comes_after * j;
-    }
-    next = numbers;
-    return ((before ^ 1U) | (after ^ 1U) | backs) == 0;
+    if (count == 0) return true;
+    // Back at the first after `count` turns, not sooner, all were passed, and each is the only one
+    // that starts where it does: of several the sum would not be the first.
+    std::uint32_t turns = 0;
+    std::uint32_t at = 0;
+    do {
+      const Weld end = to[at];
+      at = 0;
+      for (std::uint32_t i = 0; i < kMost; ++i) at += from[i] == end ? i : 0;
+      if (at >= count || from[at] != end) return false;
+      ++turns;
+    } while (at != 0 && turns < count);
+    return at == 0 && turns == count && count > 2;
   }
 
   std::array<Weld, 3> weldsOf(TriangleId triangle) const {
