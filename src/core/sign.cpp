@@ -185,7 +185,7 @@ Eigen::Vector3d pseudonormal(const CollisionMesh& organ, TriangleId triangle, Fe
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature) {
   SurfaceNormal normal = normalAt(organ, triangle, feature);
   if (organ.health().inverted) normal.direction = -normal.direction;
-  normal.is_clear = normal.is_clear && organ.tellsSide(triangle);
+  normal.is_clear = normal.is_clear && organ.tellsSide(triangle) && !organ.isPerhapsFlat();
   return normal;
 }
 
@@ -217,8 +217,7 @@ std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& po
   if (!health.isSolid()) return std::nullopt;
   if (!health.box.contains(point)) return Side::kOutside;
   const std::optional<bool> above = isAbove(health.box, closest, normal.direction, kProvenWay);
-  const bool clear = normal.is_clear && above && !organ.isPerhapsFlat();
-  const bool outside = clear ? *above : windingNumber(organ, point) == 0;
+  const bool outside = normal.is_clear && above ? *above : windingNumber(organ, point) == 0;
   return outside ? Side::kOutside : Side::kInside;
 }
 

@@ -330,7 +330,9 @@ TEST(Sign, OfASolidThatIsPressedFlatIsThatOfTheWindingNumber) {
       ASSERT_TRUE(organ.isPerhapsFlat());
       for (int k = 0; k < 200; ++k) {
         const Eigen::Vector3d tip = flat[generator() % flat.size()] + randomPoint(generator, 0.1);
-        ASSERT_EQ(distance(organ, tip) < 0.0, windingNumber(organ, tip) != 0);
+        const NearestTriangle nearest = nearestTriangle(organ, tip);
+        ASSERT_EQ(nearest.distance < 0.0, windingNumber(organ, tip) != 0);
+        ASSERT_GE(nearest.normal.dot(tip - nearest.closest.point) * nearest.distance, 0.0);
       }
     }
     organ.refit(mesh.positions());
