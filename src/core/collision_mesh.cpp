@@ -62,9 +62,11 @@ CollisionMesh::CollisionMesh(Parts parts)
 }
 
 void CollisionMesh::refitAll(const Box& box) {
+  is_half_refitted_ = true;
   wide_tree_.refit(mesh_, unitFrame(box));
   parted_corners_ = partedCorners(mesh_, *topology_);
   updateHealth(box);
+  is_half_refitted_ = false;
 }
 
 void CollisionMesh::refit(Points positions) {
@@ -108,6 +110,17 @@ void CollisionMesh::updateHealth(const Box& box) {
 
 void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& positions) {
   mesh_.requireFitting(moved, positions);
+  if (!std::exchange(is_half_refitted_, true)) {
+    refitSome(moved, positions);
+  } else {
+    mesh_.move(moved, positions);
+    positions_number_ = freshNumber();
+    refitAll(boxOf(mesh_));
+  }
+  is_half_refitted_ = false;
+}
+
+void CollisionMesh::refitSome(const std::vector<VertexId>& moved, const Points& positions) {
   std::vector<TriangleId> touched = trianglesAt(moved);
   if (topology_->hasWelds()) {
     std::sort(touched.begin(), touched.end());

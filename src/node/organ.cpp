@@ -130,9 +130,7 @@ Organ::Applied Organ::update(VertexMoves moves, UpdateMode mode, std::uint32_t e
   requireVersion(expected_version);
   Applied applied = {snapshot()->version, Action::kNone, "no vertex moved", 0.0};
   if (!moves.none()) {
-    applyMoves(takePendingWith(std::move(moves)), "");
-    const std::shared_ptr<const OrganSnapshot> now = snapshot();
-    applied = {now->version, now->last_action, now->reason, 0.0};
+    applied = applyMoves(takePendingWith(std::move(moves)), "");
   }
   if (mode == UpdateMode::kAuto) {
     rebuildIfDue();
@@ -187,11 +185,16 @@ bool Organ::applyPending() {
     moves = pending_.take();
   }
   if (moves.none()) return false;
-  applyMoves(std::move(moves), "streamed: ");
+  try {
+    applyMoves(std::move(moves), "streamed: ");
+  } catch (const std::exception&) {  // memory, most likely
+    countLostUpdates(1);
+    throw;
+  }
   return true;
 }
 
-void Organ::applyMoves(VertexMoves moves, const std::string& origin) {
+Organ::Applied Organ::applyMoves(VertexMoves moves, const std::string& origin) {
   const Stopwatch watch;
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
   const double travel = now->travel + farthest(moves, now->organ.mesh().positions());
@@ -207,7 +210,9 @@ void Organ::applyMoves(VertexMoves moves, const std::string& origin) {
                  refit.figures;
   next->last_duration = watch.elapsed();
   log_.record(next->version, std::move(vertices));
-  snapshots_.publish(std::move(next));
+  Applied applied = {next->version, next->last_action, next->reason, next->last_duration};
+  snapshots_.publish(std::move(next));  // nothing after it throws
+  return applied;
 }
 
 /// Takes `state`, of whatever version, to the latest positions and from there by `moves`.

@@ -110,7 +110,7 @@ class Organ {
   void addToPending(VertexMoves moves);
   VertexMoves takePendingWith(VertexMoves moves);
   bool applyPending();
-  void applyMoves(VertexMoves moves, const std::string& origin);
+  Applied applyMoves(VertexMoves moves, const std::string& origin);
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
   void refitAsBuilt();

@@ -1,7 +1,7 @@
 #include "node/snapshots.h"
 
 #include <algorithm>
-#include <iterator>
+#include <new>
 #include <tuple>
 #include <utility>
 
@@ -19,7 +19,11 @@ bool isOlder(const std::unique_ptr<OrganSnapshot>& first,
 
 void Snapshots::Shelf::put(std::unique_ptr<OrganSnapshot> spare) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  spares_.push_back(std::move(spare));
+  try {
+    spares_.push_back(std::move(spare));
+  } catch (const std::bad_alloc&) {
+    spare.reset();
+  }
 }
 
 std::unique_ptr<OrganSnapshot> Snapshots::Shelf::take() {
@@ -32,13 +36,14 @@ std::unique_ptr<OrganSnapshot> Snapshots::Shelf::take() {
 }
 
 void Snapshots::Shelf::trim() {
-  std::vector<std::unique_ptr<OrganSnapshot>> too_many;  // freed after the lock
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (spares_.size() <= kSpares) return;
-  std::sort(spares_.begin(), spares_.end(), isOlder);
-  const auto kept = spares_.end() - kSpares;
-  std::move(spares_.begin(), kept, std::back_inserter(too_many));
-  spares_.erase(spares_.begin(), kept);
+  while (true) {
+    std::unique_ptr<OrganSnapshot> oldest;  // freed after the lock
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (spares_.size() <= kSpares) return;
+    const auto least = std::min_element(spares_.begin(), spares_.end(), isOlder);
+    oldest = std::move(*least);
+    spares_.erase(least);
+  }
 }
 
 Snapshots::Snapshots(OrganSnapshot first) {
@@ -61,11 +66,17 @@ std::unique_ptr<OrganSnapshot> Snapshots::writable() {
 }
 
 std::shared_ptr<const OrganSnapshot> Snapshots::publish(std::unique_ptr<OrganSnapshot> next) {
-  const auto put_back = [shelf = shelf_](OrganSnapshot* former) {
-    shelf->put(std::unique_ptr<OrganSnapshot>(former));
+  struct Returning {
+    std::shared_ptr<Shelf> shelf;
+    std::unique_ptr<OrganSnapshot> state;
+    explicit Returning(std::shared_ptr<Shelf> to) : shelf(std::move(to)) {}
+    ~Returning() { shelf->put(std::move(state)); }
+    Returning(const Returning&) = delete;
+    Returning& operator=(const Returning&) = delete;
   };
-  std::shared_ptr<const OrganSnapshot> published(
-      std::shared_ptr<OrganSnapshot>(next.release(), put_back));
+  const auto returning = std::make_shared<Returning>(shelf_);  // first: nothing below throws
+  returning->state = std::move(next);
+  std::shared_ptr<const OrganSnapshot> published(returning, returning->state.get());
   std::shared_ptr<const OrganSnapshot> former = published;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -39,12 +39,14 @@ class Snapshots {
   std::unique_ptr<OrganSnapshot> writable();
 
   /// Every later current() is `next`. The former one comes back when its last reader lets it go.
+  /// Or throws std::bad_alloc, and nothing is published.
   std::shared_ptr<const OrganSnapshot> publish(std::unique_ptr<OrganSnapshot> next);
 
  private:
   /// Former states that nobody reads.
   class Shelf {
    public:
+    /// Where there is no memory to note it, it is freed.
     void put(std::unique_ptr<OrganSnapshot> spare);
     /// The latest of the newest splits.
     std::unique_ptr<OrganSnapshot> take();

@@ -7,6 +7,15 @@
 #include <utility>
 
 namespace organ_collision::node {
+namespace {
+
+template <class Items>
+void makeRoomIn(Items& items, std::size_t more) {
+  const std::size_t wanted = items.size() + more;
+  if (items.capacity() < wanted) items.reserve(std::max(wanted, 2 * items.capacity()));
+}
+
+}  // namespace
 
 core::Points moved(core::Points positions, const VertexMoves& moves) {
   if (moves.whole()) return moves.positions;
@@ -23,6 +32,8 @@ double farthest(const VertexMoves& moves, const core::Points& positions) {
   }
   return std::sqrt(squared) * (1.0 + 0x1p-50);
 }
+
+void VertexSet::makeRoom(std::size_t more) { makeRoomIn(members_, more); }
 
 bool VertexSet::insert(core::VertexId vertex) {
   if (contains(vertex)) return false;
@@ -61,7 +72,11 @@ void PendingMoves::add(VertexMoves moves) {
   } else if (waiting_.whole()) {
     waiting_.positions = moved(std::move(waiting_.positions), moves);
   } else {
-    for (std::size_t i = 0; i < moves.vertices.size(); ++i) {
+    const std::size_t most = moves.vertices.size();
+    makeRoomIn(waiting_.vertices, most);  // first: nothing below throws
+    makeRoomIn(waiting_.positions, most);
+    waiting_set_.makeRoom(most);
+    for (std::size_t i = 0; i < most; ++i) {
       const core::VertexId vertex = moves.vertices[i];
       if (waiting_set_.insert(vertex)) {
         waiting_.vertices.push_back(vertex);

@@ -39,6 +39,8 @@ class VertexSet {
   }
   /// REQUIRES: contains(vertex).
   std::size_t place(core::VertexId vertex) const { return places_[core::index(vertex)]; }
+  /// Room for so many more: then as many insert() do not throw.
+  void makeRoom(std::size_t more);
   /// False if it is in already.
   bool insert(core::VertexId vertex);
   void clear() { members_.clear(); }
@@ -59,7 +61,8 @@ class PendingMoves {
 
   /// Throws std::invalid_argument naming what does not fit, and changes nothing: not as many
   /// positions as vertices, a vertex that is not there or is named twice, a position that is not
-  /// usable. Costs what the moves hold, whatever the organ's size.
+  /// usable. Or throws std::bad_alloc, and changes nothing. Costs what the moves hold, whatever the
+  /// organ's size.
   void add(VertexMoves moves);
 
   /// All that waits; then nothing waits.

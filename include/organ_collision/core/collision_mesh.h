@@ -14,10 +14,12 @@
 
 namespace organ_collision::core {
 
-/// The only owner of a mesh with its hierarchy and its topology: they move together.
+/// The only owner of a mesh with its hierarchy and its topology: they move together. Any threads
+/// may ask it at the same time, while none changes it: to go on asking meanwhile, change a copy.
 class CollisionMesh {
  public:
-  /// Builds the hierarchy. O(n log n).
+  /// Builds the hierarchy. O(n log n) for organs; up to O(n^1.5) where as many centroids are on a
+  /// sphere, and as many levels more as spacings are exponential.
   explicit CollisionMesh(TriangleMesh mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }
@@ -40,8 +42,8 @@ class CollisionMesh {
 
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
   /// std::invalid_argument and changes nothing if the positions do not fit the mesh (see
-  /// TriangleMesh::setPositions()). After std::bad_alloc, also of the other
-  /// refit, it must be repeated.
+  /// TriangleMesh::setPositions()). After std::bad_alloc, also of the other refit, one of the two
+  /// must be repeated.
   void refit(Points positions);
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
@@ -50,8 +52,8 @@ class CollisionMesh {
   /// for surfaces of pieces that touch: O(n).
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
-  /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing.
-  /// O(n log n).
+  /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing. Costs
+  /// what it costs to build.
   void rebuild();
 
   std::size_t memory() const;  ///< [bytes] of mesh, hierarchy and topology
@@ -68,6 +70,7 @@ class CollisionMesh {
 
   std::vector<TriangleId> trianglesAt(const std::vector<VertexId>& vertices) const;
   void refitAll(const Box& box);
+  void refitSome(const std::vector<VertexId>& moved, const Points& positions);
   void updateHealth(const Box& box);
 
   TriangleMesh mesh_;
@@ -78,7 +81,8 @@ class CollisionMesh {
   std::size_t parted_corners_ = 0;
   MeshHealth health_;
   std::optional<MeshTopology::Outermost> outermost_;
-  bool box_is_stale_ = false;  // the health's may be too large: some of it has moved inwards
+  bool is_half_refitted_ = false;  // the last refit threw
+  bool box_is_stale_ = false;      // the health's may be too large: some of it has moved inwards
   std::uint64_t splits_number_, positions_number_;
 };
 
