@@ -1,5 +1,6 @@
 #include "robot_reader.h"
 
+#include <console_bridge/console.h>
 #include <tinyxml.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
@@ -15,6 +16,29 @@ namespace organ_collision::io {
 namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
+
+/// While it lives, it keeps the first error that urdfdom tells. All are told as before, too.
+class FirstError : public console_bridge::OutputHandler {
+ public:
+  FirstError() : former_(console_bridge::getOutputHandler()) {
+    console_bridge::useOutputHandler(this);
+  }
+  ~FirstError() override { console_bridge::useOutputHandler(former_); }
+  FirstError(const FirstError&) = delete;
+  FirstError& operator=(const FirstError&) = delete;
+
+  const std::string& text() const { return text_; }
+
+ private:
+  void log(const std::string& text, console_bridge::LogLevel level, const char* file,
+           int line) override {
+    if (text_.empty() && level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR) text_ = text;
+    if (former_ != nullptr) former_->log(text, level, file, line);
+  }
+
+  console_bridge::OutputHandler* const former_;
+  std::string text_;
+};
 
 const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string& name) {
   if (const urdf::LinkConstSharedPtr link = robot.getLink(name)) return *link;
@@ -85,8 +109,9 @@ std::vector<LinkCollision> decodeCollisions(std::string_view bytes) {
 
 std::vector<LinkCollision> readCollisions(const std::string& robot_description,
                                           const std::string& link) {
+  const FirstError error;
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
-  if (!robot) refuse("the description cannot be read as URDF");
+  if (!robot) refuse("the description cannot be read as URDF: " + error.text());
   const auto& found = linkNamed(*robot, link).collision_array;
   if (found.empty()) refuse("it has no <collision> that can be read");
   const std::size_t wanted = collisionCount(robot_description, link);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <stdio_ext.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -55,6 +57,8 @@ void limitThisProcess(const ChildLimits& limits) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, SIG_IGN);  // Ctrl-C reaches this process too: the parent decides
   }
+  std::signal(SIGXFSZ, SIG_IGN);  // what a library says may go to a file: then it is not said
+  ::__fpurge(stdout);             // what waits there is the parent's to say
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -8,12 +8,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <locale>
 #include <sstream>
@@ -201,6 +204,40 @@ TEST(Sandbox, WritesNoFile) {
     return std::string("written");
   };
   EXPECT_NE(messageOf([&] { run(job); }), "");
+  EXPECT_EQ(std::filesystem::file_size(folder.path() / "file"), 0U);
+}
+
+/// As a node's are that is started with its output in a file, or in a pipe.
+TEST(Sandbox, BearsWhateverItsOutputGoesTo) {
+  const TemporaryFolder folder;
+  const std::string log = folder.write("log", "");
+  std::fflush(stdout);
+  const int output = ::dup(STDOUT_FILENO);
+  const int errors = ::dup(STDERR_FILENO);
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  const int file = ::open(log.c_str(), O_WRONLY | O_APPEND);
+  ::dup2(pipe[1], STDOUT_FILENO);
+  ::dup2(file, STDERR_FILENO);
+  std::fputs("once", stdout);  // waits in this process
+  const std::string message = messageOf([] {
+    EXPECT_EQ(run([] {
+                std::cerr << "a library complains" << std::endl;
+                std::fflush(stdout);
+                return std::string("done");
+              }),
+              "done");
+  });
+  std::fflush(stdout);
+  ::dup2(output, STDOUT_FILENO);
+  ::dup2(errors, STDERR_FILENO);
+  for (const int descriptor : {output, errors, file, pipe[1]}) ::close(descriptor);
+  std::string heard(100, ' ');
+  heard.resize(
+      static_cast<std::size_t>(std::max<ssize_t>(0, ::read(pipe[0], heard.data(), heard.size()))));
+  ::close(pipe[0]);
+  EXPECT_EQ(message, "");
+  EXPECT_EQ(heard, "once");
 }
 
 /// A lock that another thread holds at the fork stays locked in the child. The C library takes care
