@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "node/conversions.h"
+#include "node/cycle_pace.h"
 #include "node/duty.h"
 #include "node/markers.h"
 #include "node/scene_loader.h"
@@ -16,10 +17,7 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr double kHeartbeat = 0.099;        // [s] without news: 10 times a second, and time to wake
 constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
-constexpr double kCatchUp = 0.1;            // [s] of poses that came together are answered at once
-constexpr double kFarthestBehind = 0.2;     // [s] then poses are left out
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
@@ -48,6 +46,16 @@ OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
   config.max_absolute_error = accuracy.max_absolute_error;
   config.max_leaves = static_cast<int>(accuracy.max_leaves);
   return config;
+}
+
+/// A warning each time that there are more of them.
+void diagnoseRefusals(const std::string& what, Refusals& refusals,
+                      diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const Refusals::News news = refusals.takeNews();
+  status.add(what, news.count);
+  if (news.more == 0) return;
+  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                      what + ": " + std::to_string(news.more) + ", the last " + news.last);
 }
 
 }  // namespace
@@ -140,41 +148,37 @@ void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
 void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
-    for (const std::string& complaint : intake_.take(
-             *event.getConstMessage(), event.getPublisherName(), is_static, ros::Time::now()))
+    for (std::string& complaint : intake_.take(*event.getConstMessage(), event.getPublisherName(),
+                                               is_static, ros::Time::now())) {
       if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
+      tf_refusals_.note(std::move(complaint));
+    }
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
 void CollisionNode::run() {
-  const ros::WallDuration heartbeat(kHeartbeat), silence(kSilence);
-  const ros::WallDuration shortest(std::min(1.0 / scene_.rate, kHeartbeat));
-  const ros::WallDuration credit = std::max(shortest, ros::WallDuration(kCatchUp));
-  ros::SteadyTime last_published = ros::SteadyTime::now();  // no clock that is set or simulated
-  ros::SteadyTime due = last_published;                     // the rate allows the next cycle
-  ros::SteadyTime caught_up = last_published;               // nothing waited
+  const ros::WallDuration silence(kSilence);
+  CyclePace pace(scene_.rate, ros::SteadyTime::now());
   while (ros::ok()) {
-    const ros::WallDuration to_heartbeat = last_published + heartbeat - ros::SteadyTime::now();
+    const ros::WallDuration to_heartbeat = pace.heartbeat() - ros::SteadyTime::now();
     // One at a time: every pose gets its contact, as long as the rate allows.
     tf_queue_.callOne(std::clamp(to_heartbeat, ros::WallDuration(0), silence));
     ros::SteadyTime now = ros::SteadyTime::now();
-    for (; ros::ok() && now < due; now = ros::SteadyTime::now())
-      tf_queue_.callAvailable(due - now);  // in time: the queue is bounded
+    for (; ros::ok() && now < pace.allowed(); now = ros::SteadyTime::now())
+      tf_queue_.callAvailable(pace.allowed() - now);  // in time: the queue is bounded
     // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (now - caught_up > ros::WallDuration(kFarthestBehind) && !tf_queue_.isEmpty()) {
+    if (pace.isBehind(now) && !tf_queue_.isEmpty()) {
       tf_queue_.callAvailable();
       ++times_behind_;
     }
-    if (tf_queue_.isEmpty()) caught_up = ros::SteadyTime::now();
+    if (tf_queue_.isEmpty()) pace.noteCaughtUp(ros::SteadyTime::now());
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
-    if (!tips_moved && !others_moved && now - last_published < heartbeat) continue;
+    if (!tips_moved && !others_moved && now < pace.heartbeat()) continue;
     publishCycle();
-    last_published = now;
-    // Poses that come late are answered when they come, those behind them no later for it.
-    due = std::max(due, now - credit) + shortest;
+    pace.noteCycle(now);
   }
 }
 
@@ -232,9 +236,7 @@ void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& ev
     std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
                           event.getPublisherName() + ": " + error.what();
     if (update_log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ++refusals_.count;
-    refusals_.last.swap(refusal);  // the former is freed after the lock
+    update_refusals_.note(std::move(refusal));
   }
 }
 
@@ -272,7 +274,6 @@ void CollisionNode::updateOrgans() {
         changed = organ->work() || changed;
       } catch (const std::exception& error) {  // memory, most likely: what is there goes on
         ROS_ERROR("%s: could not be updated: %s", organ->name().c_str(), error.what());
-        organ->countLostUpdates(1);
       }
     }
     if (changed) publishMeshInfo();
@@ -324,7 +325,8 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
                         "use_sim_time is set, but /clock stands at 0");
   }
   diagnoseHaste(status);
-  diagnoseRefusals(status);
+  diagnoseRefusals("tf poses refused", tf_refusals_, status);
+  diagnoseRefusals("mesh updates refused", update_refusals_, status);
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {
     const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
@@ -369,21 +371,6 @@ void CollisionNode::diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& s
   if (times == std::exchange(times_behind_told_, times)) return;
   status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
                       "this machine cannot keep up with tf: poses are left out");
-}
-
-/// A warning each time that there are more of them.
-void CollisionNode::diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const Refusals refusals = [this] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    Refusals copy = refusals_;
-    refusals_.told = refusals_.count;
-    return copy;
-  }();
-  status.add("mesh updates refused", refusals.count);
-  if (refusals.count == refusals.told) return;
-  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                      "mesh updates refused: " + std::to_string(refusals.count - refusals.told) +
-                          ", the last " + refusals.last);
 }
 
 }  // namespace organ_collision::node

@@ -22,6 +22,7 @@
 #include "node/log_limit.h"
 #include "node/master_watch.h"
 #include "node/proximity_cycle.h"
+#include "node/refusals.h"
 #include "node/sequence_gaps.h"
 #include "node/services.h"
 #include "node/signal.h"
@@ -53,13 +54,6 @@ class CollisionNode {
     std::vector<Complaint> complaints;
   };
 
-  /// Of mesh updates.
-  struct Refusals {
-    std::size_t count = 0;
-    std::size_t told = 0;  // in diagnostics
-    std::string last;
-  };
-
   void hearTf(const std::string& topic, bool is_static);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
@@ -78,7 +72,6 @@ class CollisionNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot);
   void diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void diagnoseRefusals(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const io::Scene scene_;
   const Organs organs_;
@@ -96,9 +89,10 @@ class CollisionNode {
 
   std::atomic<std::uint64_t> times_behind_{0};  // that poses were left out
 
-  mutable std::mutex mutex_;  // of the three below; held for the copy of a setting or a pointer
+  Refusals tf_refusals_, update_refusals_;
+
+  mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
-  Refusals refusals_;
   std::shared_ptr<const Cycle> last_cycle_ = std::make_shared<Cycle>();
 
   boost::recursive_mutex reconfigure_mutex_;

@@ -76,6 +76,12 @@ class SettingsAndDisplays(unittest.TestCase):
         self.assertEqual(values["liver mesh version"], "1")
         self.assertEqual(values["liver updates lost"], "0")
 
+    def test_diagnostics_tell_of_a_pose_that_was_refused(self):
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        self.frames.put(("liver", "left_tip", Pose((float("nan"), 0.0, 0.0))))
+        diagnostics.wait_for(lambda array: any(
+            "tf poses refused: 1, the last " in each.message and "left_tip" in each.message for each in array.status))
+
     def triangles_of(self, marker):
         """The marker's points [m], three by three, in the organ's frame."""
         points = np.array([coordinates(point) for point in marker.points])

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <ros/time.h>
+
+namespace organ_collision::node {
+
+/// When the next cycle is due. At most `rate` a second, but poses that came late, a tenth of a
+/// second of them at most, are answered when they come, and those behind them no later for it; and
+/// 10 a second where nothing is new. Times are of a clock that is neither set nor simulated.
+class CyclePace {
+ public:
+  /// `rate` [Hz] > 0.
+  CyclePace(double rate, ros::SteadyTime now);
+
+  /// The rate allows the next one from then on.
+  ros::SteadyTime allowed() const { return allowed_; }
+  /// It is due from then on, be there news or not.
+  ros::SteadyTime heartbeat() const;
+  /// So much has waited for so long that only the newest can be answered in time.
+  bool isBehind(ros::SteadyTime now) const;
+
+  void noteCycle(ros::SteadyTime now);
+  /// Nothing waits.
+  void noteCaughtUp(ros::SteadyTime now) { caught_up_ = now; }
+
+ private:
+  ros::WallDuration shortest_;  // from one cycle to the next
+  ros::WallDuration credit_;    // so far back the rate is made up for
+  ros::SteadyTime last_, allowed_, caught_up_;
+};
+
+}  // namespace organ_collision::node
