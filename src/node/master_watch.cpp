@@ -140,6 +140,9 @@ void MasterWatch::registerMissing() {
   if (ros::isShuttingDown()) return;  // it unregisters, and that is no forgetting
   const std::size_t count = publications.size() + subscriptions.size() + services.size();
   if (count == 0) return;
+  // Another node of this name may have come: then all is that one's, and this one is told to end.
+  const std::optional<XmlRpcValue> holder = askMaster("lookupNode", {ros::this_node::getName()});
+  if (holder && *holder != XmlRpcValue(nodeUri())) return;
   ROS_WARN("the master does not know %zu topics and services of this node: registered anew", count);
   std::for_each(publications.begin(), publications.end(), publish);
   std::for_each(subscriptions.begin(), subscriptions.end(), subscribe);

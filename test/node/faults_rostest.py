@@ -10,6 +10,7 @@ import threading
 import time
 import unittest
 import xmlrpc.client
+import xmlrpc.server
 
 import numpy as np
 import roslib.packages
@@ -69,6 +70,13 @@ class Master:
 
     def set_scene(self, scene, node="organ_collision"):
         self._proxy.setParam("/test", f"/{node}/scene", scene)
+
+    def register(self, node, uri):
+        """As a node of this name that is found there would."""
+        self._proxy.registerPublisher(node, "/another", "std_msgs/Empty", uri)
+
+    def uri_of(self, node):
+        return self._proxy.lookupNode("/test", node)[2]
 
     def registered(self):
         """What of the node the master knows: kind and name of each topic and service."""
@@ -273,6 +281,21 @@ class Faults(unittest.TestCase):
                 self.assertEqual(listening_addresses(port), {"0100007F"})
 
     # ---- the master
+
+    def test_it_ends_and_takes_nothing_back_where_another_node_of_its_name_has_come(self):
+        with self.master.up():
+            self.master.set_scene(SCENE)
+            with self.master.node() as process, xmlrpc.server.SimpleXMLRPCServer(
+                    ("localhost", 0), logRequests=False) as other:
+                wait_until(self.master.is_up, "the node")
+                uri = f"http://localhost:{other.server_address[1]}"
+                process.send_signal(signal.SIGSTOP)  # so that it asks the master before it hears that it is to end
+                self.master.register("/organ_collision", uri)
+                time.sleep(1.5)
+                process.send_signal(signal.SIGCONT)
+                output, _ = process.communicate(timeout=PATIENCE)
+                self.assertEqual(process.returncode, 0, output)
+                self.assertEqual(self.master.uri_of("/organ_collision"), uri)
 
     def test_a_master_that_comes_back_knows_the_node_again_and_new_clients_find_it(self):
         with contextlib.ExitStack() as stack:
