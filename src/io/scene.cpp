@@ -243,8 +243,7 @@ core::Accuracy parseAccuracy(const Field& field) {
 
 Scene parseScene(const Value& value) {
   const Field field(value, "scene");
-  field.allowOnly({"frame", "organs", "instruments", "pairs", "max_distance", "accuracy", "rate",
-                   "stale_after", "mesh_root"});
+  field.allowOnly({kSceneKeys.begin(), kSceneKeys.end()});
   NameTable names;
   Scene scene;
   scene.organs = parseOrgans(field.at("organs"), names);

@@ -31,7 +31,8 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     }
     return {pose, ""};
   } catch (const tf2::TransformException& error) {
-    return {std::nullopt, error.what()};
+    const std::string reason = error.what();  // of a loop, all frames follow, line by line
+    return {std::nullopt, reason.substr(0, reason.find('\n'))};
   } catch (const std::exception& error) {  // times too far apart for tf2 to say how far
     return {std::nullopt, source + " in " + target + ": " + error.what()};
   }

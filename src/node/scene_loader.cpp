@@ -119,13 +119,16 @@ std::string pathOf(const char* list, std::size_t i, const Thing& thing) {
 }  // namespace
 
 io::Scene readScene(const ros::NodeHandle& private_node) {
+  for (const char* const key : io::kSceneKeys) {
+    if (!private_node.hasParam(key)) continue;
+    throw std::invalid_argument("the parameter " + private_node.resolveName(key) +
+                                " is set, which belongs into scene: is 'scene:' missing above it " +
+                                "in the file, or is it indented too little?");
+  }
   XmlRpc::XmlRpcValue parameter;
   if (!private_node.getParam("scene", parameter)) {
-    const char* const keyless = private_node.hasParam("organs")
-                                    ? ", but organs is: is 'scene:' missing above it in the file?"
-                                    : ": load a scene, as organ_collision.launch does";
     throw std::invalid_argument("the parameter " + private_node.resolveName("scene") +
-                                " is not set" + keyless);
+                                " is not set: load a scene, as organ_collision.launch does");
   }
   return io::parseScene(fromParameter(parameter));
 }

@@ -53,6 +53,10 @@ void Services::advertise(ros::NodeHandle& node, ros::NodeHandle& changes) {
 FramePose Services::waitForPose(const Organ& organ, const std_msgs::Header& header) const {
   if (header.frame_id.empty())
     throw std::invalid_argument("header.frame_id is empty: in which frame are the points?");
+  if (header.frame_id.front() == '/') {
+    throw std::invalid_argument("header.frame_id is '" + header.frame_id +
+                                "', but a tf frame does not begin with '/'");
+  }
   // A transform of just now may still be on its way. The simulator's clock may stand still.
   const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(kTransformPatience);
   while (true) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <limits>
@@ -76,5 +77,10 @@ struct Scene {
 /// wanted, such as "scene.organs[1].scale: -2, but it must be a finite number above 0". Unknown
 /// keys are refused too.
 Scene parseScene(const Value& value);
+
+/// All that a scene may have.
+constexpr std::array<const char*, 9> kSceneKeys = {"frame", "organs",       "instruments",
+                                                   "pairs", "max_distance", "accuracy",
+                                                   "rate",  "stale_after",  "mesh_root"};
 
 }  // namespace organ_collision::io
