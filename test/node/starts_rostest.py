@@ -191,6 +191,13 @@ class Starts(unittest.TestCase):
         if complaints:
             self.fail(complaints)
 
+    def test_what_stands_beside_the_scene_ends_the_node_with_an_error_that_names_it(self):
+        for key, value in (("instruments", []), ("max_distance", 0.05)):
+            name = f"beside_{key}"
+            rospy.set_param(f"/{name}/{key}", value)
+            for described in (scene(), None):
+                self.assertEqual(self.complaint(name, described, [f"/{name}/{key}", "scene"]), "")
+
     def test_what_is_said_at_the_start_and_at_an_early_end_reaches_rosout(self):
         rosout = subprocess.Popen(roslib.packages.find_node("rosout", "rosout"))  # rostest starts none
         running = None
@@ -211,13 +218,59 @@ class Starts(unittest.TestCase):
             self.assertEqual(ended.returncode, 1, ended.stderr)
             self.assertIn(argument.partition(":=")[2], ended.stdout + ended.stderr)
 
-    def test_the_crtk_relay_without_a_map_of_arms_ends_naming_the_parameter(self):
-        relay = roslib.packages.find_node("organ_collision", "crtk_relay")[0]
-        for arms in ([], ["_arms:=[PSM1]"]):
-            ended = subprocess.run([relay, *arms], capture_output=True, text=True, timeout=LONGEST_START, check=False)
-            self.assertEqual(ended.returncode, 1)
-            self.assertIn("/crtk_relay/arms", ended.stderr)
-            self.assertNotIn("Traceback", ended.stderr)
+    def check_bad_parameters(self, program, cases):
+        """Each case: arguments, the parameter that the error names, and how its value is told."""
+        path = roslib.packages.find_node("organ_collision", program)[0]
+
+        def complaint(number, arguments, parameter, value):
+            name = f"bad_{program}_{number}"
+            try:
+                ended = subprocess.run([path, f"__name:={name}", *arguments], capture_output=True, text=True,
+                                       timeout=LONGEST_START, check=False)
+            except subprocess.TimeoutExpired:
+                return f"{arguments}: runs on"
+            wanted = f"{program}: /{name}/{parameter} is {value}, but it must be "
+            if ended.returncode == 1 and ended.stderr.startswith(wanted) and ended.stderr.count("\n") == 1:
+                return ""
+            return f"{arguments}: ends with {ended.returncode}, saying {ended.stderr}"
+
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            complaints = list(filter(None, pool.map(lambda case: complaint(case[0], *case[1]), enumerate(cases))))
+        self.assertEqual(complaints, [])
+
+    def test_the_crtk_relay_ends_with_an_error_that_names_the_wrong_parameter(self):
+        self.check_bad_parameters("crtk_relay", [
+            ([], "arms", "None"),
+            (["_arms:=[PSM1]"], "arms", "['PSM1']"),
+            (["_arms:={}"], "arms", "{}"),
+            (["_arms:={PSM1: 5}"], "arms/PSM1", "5"),
+            (["_arms:={PSM1: ''}"], "arms/PSM1", "''"),
+            (["_arms:={PSM-1: tip}"], "arms", "{'PSM-1': 'tip'}"),
+            (["_arms:={'': tip}"], "arms", "{'': 'tip'}"),
+            (["_arms:={PSM1: tip, PSM2: tip}"], "arms", "{'PSM1': 'tip', 'PSM2': 'tip'}"),
+            (["_arms:={PSM1: tip, PSM2: /tip}"], "arms", "{'PSM1': 'tip', 'PSM2': '/tip'}"),
+            (["_arms:={PSM1: tip}", "_base:=5"], "base", "5"),
+            (["_arms:={PSM1: tip}", "_base:=''"], "base", "''"),
+        ])
+
+    def test_the_sweep_ends_with_an_error_that_names_the_wrong_parameter(self):
+        good = {"parent": "grid", "child": "tip", "low": "[0, 0, 0]", "high": "[1, 1, 0]"}
+        wrong = [
+            ("low", None, "None"),
+            ("low", "0.5", "0.5"),
+            ("low", "[0, 0]", "[0, 0]"),
+            ("low", "[0, zero, 0]", "[0, 'zero', 0]"),
+            ("low", "[0, 0, .nan]", "[0, 0, nan]"),
+            ("high", "[0, 1, 0]", "[0, 1, 0]"),
+            ("rate", "0", "0"),
+            ("rate", "fast", "'fast'"),
+            ("child", None, "None"),
+            ("parent", None, "None"),
+            ("parent", "''", "''"),
+        ]
+        self.check_bad_parameters("sweep", [
+            ([f"_{key}:={text}" for key, text in {**good, name: value}.items() if text is not None], name, told)
+            for name, value, told in wrong])
 
     def test_an_unknown_link_ends_the_node_with_the_key_and_the_links_that_there_are(self):
         rospy.set_param("/robot_description", '<robot name="r"><link name="arm"/></robot>')
@@ -308,6 +361,16 @@ class Starts(unittest.TestCase):
         node, = config.nodes
         self.assertEqual((node.launch_prefix, node.output), (None, "screen"))
         self.assertEqual((node.required, node.respawn), (False, True))
+
+    def test_a_launch_leaves_no_parameters_to_the_next(self):
+        package = rospkg.RosPack().get_path("organ_collision")
+        files = [os.path.join(folder, file) for folder in ("launch", "examples")
+                 for file in os.listdir(os.path.join(package, folder)) if file.endswith(".launch")]
+        self.assertIn("examples/two_nodes.launch", files)
+        for file in files:
+            config = launched(file)
+            own = {f"/{node.name}/" for node in config.nodes if node.package == "organ_collision"}
+            self.assertEqual(own - set(config.clear_params), set(), file)
 
     def test_crtk_launch_heeds_its_arguments(self):
         with tempfile.TemporaryDirectory() as folder:
