@@ -127,8 +127,10 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
-def verdict(value, hold, aim):
-    return "aimed for" if value >= aim else "held" if value >= hold else "**missed**"
+def verdict(value, usual, hold, aim):
+    """`usual`: below which three quarters of all pairs of repetitions are."""
+    held = "aimed for" if value >= aim else "held" if value >= hold else "**missed**"
+    return f"{held} by the least times alone" if usual < hold <= value else held
 
 
 def worst_ratio(organs, sizes, ratio_of):
@@ -146,7 +148,7 @@ def target_row(organs, what, sizes, hold, aim, ratio_of, whole_ratio_of=None):
     (value, low, high), name = worst
     whole = f"{worst_ratio(organs, sizes, whole_ratio_of)[0][0]:.2f}x" if whole_ratio_of else ""
     return [what, span, f"{hold}x", f"{aim}x", f"{value:.2f}x [{low:.2f}-{high:.2f}] ({name})",
-            verdict(value, hold, aim), whole]
+            verdict(value, high, hold, aim), whole]
 
 
 def targets(results):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A client: tells each contact that comes within a distance, and asks for the triangles around it.
+"""A client: tells each contact that comes within a distance, asks for the triangles around it, and warns where tf is silent.
 
 rosrun organ_collision client.py [_alarm:=0.005] [_node:=organ_collision]
 """
@@ -24,7 +24,10 @@ class Client:
 
     def hear(self, array):
         for contact in array.contacts:
-            if contact.status == Contact.OK and contact.nearest.distance < self.alarm and self.is_due(contact):
+            if contact.status in (Contact.STALE, Contact.NO_POSE):
+                if self.is_due(contact):
+                    rospy.logwarn("%s and %s: no fresh pose on tf", contact.instrument, contact.organ)
+            elif contact.nearest.distance < self.alarm and self.is_due(contact):
                 self.tell(contact, self.around(contact, array.header.frame_id))
 
     def is_due(self, contact):

@@ -21,12 +21,13 @@ struct Contact {
   NearestTriangle nearest;
   bool colliding;  ///< instrument and organ (its solid, or its surface where it is open) have a
                    ///< point in common
-  bool colliding_certain;  ///< false where the accuracy asked for does not decide it
+  bool colliding_certain;  ///< false where the accuracy asked for does not decide it; with a radius
+                           ///< it is certain but for rounding
 };
 
 /// `shape` is in the organ's frame; the promises of `accuracy` hold for the distance of the whole
-/// shape. Throws as nearestTriangle() and requireUsable() do. Costs one nearestTriangle(), of a
-/// mesh a nearestPair().
+/// shape. Throws as nearestTriangle() and requireUsable() do. Costs one nearestTriangle(), at most
+/// two of a shape with a radius that may be wrong by a relative error; of a mesh a nearestPair().
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.

@@ -60,7 +60,9 @@ struct NearestTriangle {
 /// hierarchy's order. max_leaves = 1 is the paper's search: go to the child whose pole is nearer,
 /// until one triangle is left. More leaves never give a worse answer. Throws std::invalid_argument
 /// for a point or an accuracy that is not usable. Allocates only until the calling thread has seen
-/// its widest search.
+/// its widest search. Costs what is nearly as near as the nearest: far less than O(n) mostly, but
+/// O(n) at the centre of a sphere, unless max_leaves is set. Any threads may ask at the same time,
+/// while none changes the organ.
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
                                 const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 

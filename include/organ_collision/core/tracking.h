@@ -13,7 +13,7 @@ namespace organ_collision::core {
 /// again, or opened; so the answer is exact without the way down the tree. A front that has grown
 /// too much is replaced by that of another search. Where that happens again and again, none is kept
 /// for a while: then a query is a search that knows how far away the last one's triangle is now.
-/// What it saves: `trajectory` in docs/performance.md.
+/// What it saves: `trajectory` in docs/performance.md. Asked by one thread at a time.
 class Tracker {
  public:
   Tracker();

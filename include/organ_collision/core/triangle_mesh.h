@@ -26,8 +26,9 @@ inline void requireUsable(const Eigen::Vector3d& position, const char* what, std
 }
 
 /// Triangles over shared vertices, numbered as in the file that they came from.
-/// Invariants: at least one triangle; every corner names a vertex; every position is finite and
-/// below kLargestCoordinate. Zero-area and duplicate triangles are allowed: indices must hold.
+/// Invariants: 1 to 2^27 triangles, as many vertices at most; every corner names a vertex; every
+/// position is finite and below kLargestCoordinate. Zero-area and duplicate triangles are allowed:
+/// indices must hold.
 class TriangleMesh {
  public:
   /// `positions` [m]. Throws std::invalid_argument naming the offending element.
