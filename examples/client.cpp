@@ -1,7 +1,6 @@
 // A client: asks where the organ is nearest to a point, moves one vertex there up by 2 mm, and asks
 // again.
 //   rosrun organ_collision example_client ORGAN FRAME X Y Z
-// (without a catkin workspace: build/devel/lib/organ_collision/example_client ...)
 #include <organ_collision/FindNearestTriangle.h>
 #include <organ_collision/GetMesh.h>
 #include <organ_collision/UpdateMesh.h>

@@ -62,17 +62,17 @@ CollisionMesh::CollisionMesh(Parts parts)
 }
 
 void CollisionMesh::refitAll(const Box& box) {
-  is_half_refitted_ = true;
   wide_tree_.refit(mesh_, unitFrame(box));
   parted_corners_ = partedCorners(mesh_, *topology_);
   updateHealth(box);
-  is_half_refitted_ = false;
 }
 
 void CollisionMesh::refit(Points positions) {
   const Box box = mesh_.setPositions(std::move(positions));
+  is_half_refitted_ = true;
   positions_number_ = freshNumber();
   refitAll(mesh_.usesAllVertices() ? box : boxOf(mesh_));
+  is_half_refitted_ = false;
 }
 
 /// Those at vertices, each as often as it has welds there.

@@ -49,9 +49,9 @@ OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
 }
 
 /// A warning each time that there are more of them.
-void diagnoseRefusals(const std::string& what, Refusals& refusals,
-                      diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const Refusals::News news = refusals.takeNews();
+void diagnoseNews(const std::string& what, Incidents& incidents,
+                  diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const Incidents::News news = incidents.takeNews();
   status.add(what, news.count);
   if (news.more == 0) return;
   status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
@@ -151,7 +151,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
     for (std::string& complaint : intake_.take(*event.getConstMessage(), event.getPublisherName(),
                                                is_static, ros::Time::now())) {
       if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
-      tf_refusals_.note(std::move(complaint));
+      tf_complaints_.note(std::move(complaint));
     }
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
@@ -325,8 +325,8 @@ void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
                         "use_sim_time is set, but /clock stands at 0");
   }
   diagnoseHaste(status);
-  diagnoseRefusals("tf poses refused", tf_refusals_, status);
-  diagnoseRefusals("mesh updates refused", update_refusals_, status);
+  diagnoseNews("complaints about tf", tf_complaints_, status);
+  diagnoseNews("mesh updates refused", update_refusals_, status);
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (const auto& organ : organs_) {
     const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();

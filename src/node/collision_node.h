@@ -19,10 +19,10 @@
 #include <thread>
 
 #include "node/contact_cycle.h"
+#include "node/incidents.h"
 #include "node/log_limit.h"
 #include "node/master_watch.h"
 #include "node/proximity_cycle.h"
-#include "node/refusals.h"
 #include "node/sequence_gaps.h"
 #include "node/services.h"
 #include "node/signal.h"
@@ -89,7 +89,7 @@ class CollisionNode {
 
   std::atomic<std::uint64_t> times_behind_{0};  // that poses were left out
 
-  Refusals tf_refusals_, update_refusals_;
+  Incidents tf_complaints_, update_refusals_;
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;

@@ -129,9 +129,7 @@ Organ::Applied Organ::update(VertexMoves moves, UpdateMode mode, std::uint32_t e
   applyPending();
   requireVersion(expected_version);
   Applied applied = {snapshot()->version, Action::kNone, "no vertex moved", 0.0};
-  if (!moves.none()) {
-    applied = applyMoves(takePendingWith(std::move(moves)), "");
-  }
+  if (!moves.none()) applied = applyMoves(takePendingWith(std::move(moves)), "");
   if (mode == UpdateMode::kAuto) {
     rebuildIfDue();
     if (rebuild_) applied.reason += "; rebuilding in the background: " + rebuild_->reason;

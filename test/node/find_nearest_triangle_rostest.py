@@ -107,6 +107,9 @@ class FindNearestTriangle(unittest.TestCase):
     def test_a_missing_frame_is_refused_within_a_second(self):
         self.check_refusal("header.frame_id is empty", frame="")
 
+    def test_a_frame_with_a_leading_slash_is_refused_by_name(self):
+        self.check_refusal("header.frame_id is '/nowhere', but a tf frame does not begin with '/'", frame="/nowhere")
+
     def test_an_unknown_organ_is_refused_by_name(self):
         self.check_refusal("spleen", organ="spleen")
 

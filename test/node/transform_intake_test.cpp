@@ -201,6 +201,14 @@ TEST_F(TransformIntakeTest, TimesThatAreTooFarApartForTfAreNoPose) {
   EXPECT_NE(lookUpFrame(buffer_, "liver", "tip", ros::TIME_MAX).reason, "");
 }
 
+TEST_F(TransformIntakeTest, ALoopIsToldInOneLine) {
+  hear("fixed", 1.0, ros::Time(0), ros::Time(100.0), true);
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0), false, "arm");
+  hear("arm", 1.0, ros::Time(100.0), ros::Time(100.0), false, "tip");
+  const std::string reason = lookUpFrame(buffer_, "fixed", "tip").reason;
+  EXPECT_THAT(reason, AllOf(HasSubstr("loop"), Not(HasSubstr("\n"))));
+}
+
 TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {
   for (const ros::Time& stamp : {ros::Time(1.0), ros::Time(1e6), ros::TIME_MAX}) {
     EXPECT_EQ(hear("fixed", stamp.toSec(), stamp, ros::Time(100.0), true), "");

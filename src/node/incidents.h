@@ -7,8 +7,8 @@
 
 namespace organ_collision::node {
 
-/// What was refused, until diagnostics tell it. For any threads.
-class Refusals {
+/// What went wrong, until diagnostics tell it. For any threads.
+class Incidents {
  public:
   struct News {
     std::size_t count;  ///< of all
