@@ -129,8 +129,10 @@ def table(head, rows):
 
 def verdict(value, usual, hold, aim):
     """`usual`: below which three quarters of all pairs of repetitions are."""
-    held = "aimed for" if value >= aim else "held" if value >= hold else "**missed**"
-    return f"{held} by the least times alone" if usual < hold <= value else held
+    if value < hold:
+        return "**missed**"
+    reached, target = ("aimed for", aim) if value >= aim else ("held", hold)
+    return reached if usual >= target else reached + " by the least times alone"
 
 
 def worst_ratio(organs, sizes, ratio_of):

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <utility>
 
 // A program with one source, which includes this, has an operator new that throws when it is told
 // to.
@@ -22,7 +23,8 @@ class Memory {
   void failAfter(std::size_t count) { left_ = count; }
   /// All allocations fail while `is_out` is set.
   void failWhile(const std::atomic<bool>* is_out) { is_out_ = is_out; }
-  void recover() { left_ = kNever; }
+  /// Whether the failure that was asked for has happened.
+  bool recover() { return std::exchange(left_, kNever) == kNever; }
 
   void* allocate(std::size_t size, std::size_t alignment) {
     const bool fails = left_ == 0 || (is_out_ != nullptr && *is_out_);
@@ -44,17 +46,17 @@ class Memory {
 /// comes after each. `prepare()` comes before.
 template <class Prepare, class Action, class Check>
 void failEachAllocation(const Prepare& prepare, const Action& action, const Check& check) {
-  bool failed = true;
-  for (std::size_t count = 0; failed; ++count) {
+  bool happened = true;
+  for (std::size_t count = 0; happened; ++count) {
     prepare();
-    failed = false;
+    bool failed = false;  // or somebody bore it
     Memory::ofThisThread().failAfter(count);
     try {
       action();
     } catch (const std::bad_alloc&) {
       failed = true;
     }
-    Memory::ofThisThread().recover();
+    happened = Memory::ofThisThread().recover();
     check(failed);
   }
 }

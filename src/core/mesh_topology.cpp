@@ -185,8 +185,9 @@ class MeshTopology::Inspector {
       ++count;
     }
     if (count == 0) return true;
-    // Back at the first after `count` turns, not sooner, all were passed, and each is the only one
-    // that starts where it does: of several the sum would not be the first.
+    // Where one turn leads depends on where it starts alone. If it is back at the first after
+    // `count` of them, not sooner, all were passed, so no two start at the same corner; and of more
+    // than two none is another's back.
     std::uint32_t turns = 0;
     std::uint32_t at = 0;
     do {

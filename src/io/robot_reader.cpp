@@ -109,7 +109,7 @@ std::vector<LinkCollision> decodeCollisions(std::string_view bytes) {
 
 std::vector<LinkCollision> readCollisions(const std::string& robot_description,
                                           const std::string& link) {
-  const FirstError error;
+  FirstError error;
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
   if (!robot) refuse("the description cannot be read as URDF: " + error.text());
   const auto& found = linkNamed(*robot, link).collision_array;

@@ -4,9 +4,10 @@
 
 namespace organ_collision::node {
 
-/// When the next cycle is due. At most `rate` a second, but poses that came late, a tenth of a
-/// second of them at most, are answered when they come, and those behind them no later for it; and
-/// 10 a second where nothing is new. Times are of a clock that is neither set nor simulated.
+/// When the next cycle is due. At most `rate` a second, or 10 if that is less; but poses that came
+/// late, a tenth of a second of them at most, are answered when they come, and those behind them no
+/// later for it. And 10 a second where nothing is new. Times are of a clock that is neither set nor
+/// simulated.
 class CyclePace {
  public:
   /// `rate` [Hz] > 0.

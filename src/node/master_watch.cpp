@@ -142,7 +142,12 @@ void MasterWatch::registerMissing() {
   if (count == 0) return;
   // Another node of this name may have come: then all is that one's, and this one is told to end.
   const std::optional<XmlRpcValue> holder = askMaster("lookupNode", {ros::this_node::getName()});
-  if (holder && *holder != XmlRpcValue(nodeUri())) return;
+  if (holder && *holder != XmlRpcValue(nodeUri())) {
+    const std::string sentence =
+        "the master knows another node of this name, which this one leaves it to";
+    if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+    return;
+  }
   ROS_WARN("the master does not know %zu topics and services of this node: registered anew", count);
   std::for_each(publications.begin(), publications.end(), publish);
   std::for_each(subscriptions.begin(), subscriptions.end(), subscribe);

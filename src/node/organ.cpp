@@ -61,6 +61,7 @@ struct Organ::Rebuild {
   double cost = 0.0;      // [s] of that on a processor
   std::promise<void> finished;
   const std::shared_future<void> done;
+  std::exception_ptr failure;  // of it, or of swapping it in; under building_
 };
 
 Organ::Organ(std::string name, std::string frame, core::TriangleMesh mesh)
@@ -130,10 +131,7 @@ Organ::Applied Organ::update(VertexMoves moves, UpdateMode mode, std::uint32_t e
   requireVersion(expected_version);
   Applied applied = {snapshot()->version, Action::kNone, "no vertex moved", 0.0};
   if (!moves.none()) applied = applyMoves(takePendingWith(std::move(moves)), "");
-  if (mode == UpdateMode::kAuto) {
-    rebuildIfDue();
-    if (rebuild_) applied.reason += "; rebuilding in the background: " + rebuild_->reason;
-  }
+  if (mode == UpdateMode::kAuto) rebuildIfDue(applied.reason);
   if (mode == UpdateMode::kRebuild) {
     rebuildAndWait(building);
     applied.action = Action::kRebuild;
@@ -172,7 +170,8 @@ bool Organ::work() {
   const Lock building(building_);
   const bool rebuilt = finishRebuild();
   const bool moved = applyPending();
-  rebuildIfDue();
+  std::string told;
+  rebuildIfDue(told);
   return rebuilt || moved;
 }
 
@@ -257,7 +256,17 @@ void Organ::refitAsBuilt() {
   as_built_ = std::move(refitted);
 }
 
-void Organ::rebuildIfDue() {
+/// Adds to `told` what is done. That this fails undoes no update: builds() tells it.
+void Organ::rebuildIfDue(std::string& told) {
+  try {
+    considerRebuild();
+    if (rebuild_) told += "; rebuilding in the background: " + rebuild_->reason;
+  } catch (const std::exception& error) {  // memory, most likely
+    rebuild_failure_ = error.what();
+  }
+}
+
+void Organ::considerRebuild() {
   const std::optional<RecentQuestions::Asked> asked = questions_.take();
   const std::shared_ptr<const OrganSnapshot> now = snapshot();
   if (!asked || now->version == as_built_->version) return;
@@ -272,11 +281,12 @@ void Organ::rebuildIfDue() {
 /// Unless one is under way.
 void Organ::startRebuild(const std::string& reason) {
   if (rebuild_) return;
-  rebuild_ = std::make_shared<Rebuild>(snapshot(), reason, rebuilds_asked_);
-  background_->run([rebuild = rebuild_, signal = signal_] {
+  auto rebuild = std::make_shared<Rebuild>(snapshot(), reason, rebuilds_asked_);
+  background_->run([rebuild, signal = signal_] {
     rebuild->run();
     signal->raise();
   });
+  rebuild_ = std::move(rebuild);  // nobody waits for one that nobody makes
 }
 
 /// Swaps in a rebuild that is ready; false if none is, or if it failed, which is nobody's fault who
@@ -290,19 +300,20 @@ bool Organ::finishRebuild() {
   const std::shared_ptr<const OrganSnapshot> source = std::move(rebuilt->source);
   try {
     rebuilt->done.get();
+    const std::shared_ptr<const OrganSnapshot> now = snapshot();
+    if (&source->organ.topology() != &now->organ.topology()) return false;  // replaced meanwhile
+    OrganSnapshot next = {
+        std::move(*rebuilt->organ), source->version, Action::kRebuild, rebuilt->reason, 0.0,
+        now->hierarchy + 1};
+    catchUp(next, {});
+    next.version = now->version;
+    next.last_duration = rebuilt->duration + watch.elapsed();
+    publishBuilt(std::move(next), rebuilt->cost);
   } catch (const std::exception& error) {  // memory, most likely
+    rebuilt->failure = std::current_exception();
     rebuild_failure_ = error.what();
     return false;
   }
-  const std::shared_ptr<const OrganSnapshot> now = snapshot();
-  if (&source->organ.topology() != &now->organ.topology()) return false;  // replaced meanwhile
-  OrganSnapshot next = {
-      std::move(*rebuilt->organ), source->version, Action::kRebuild, rebuilt->reason, 0.0,
-      now->hierarchy + 1};
-  catchUp(next, {});
-  next.version = now->version;
-  next.last_duration = rebuilt->duration + watch.elapsed();
-  publishBuilt(std::move(next), rebuilt->cost);
   rebuilds_served_ = rebuilt->serves;
   return true;
 }
@@ -312,12 +323,12 @@ void Organ::rebuildAndWait(Lock& building) {
   const std::uint64_t request = ++rebuilds_asked_;
   while (rebuilds_served_ < request) {
     startRebuild("asked for");
-    const std::shared_future<void> done = rebuild_->done;
+    const std::shared_ptr<Rebuild> rebuild = rebuild_;
     building.unlock();
-    done.wait();
+    rebuild->done.wait();
     building.lock();
     finishRebuild();
-    done.get();
+    if (rebuild->failure) std::rethrow_exception(rebuild->failure);
   }
 }
 

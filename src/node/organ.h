@@ -114,7 +114,8 @@ class Organ {
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
   void refitAsBuilt();
-  void rebuildIfDue();
+  void rebuildIfDue(std::string& told);
+  void considerRebuild();
   void startRebuild(const std::string& reason);
   bool finishRebuild();
   void rebuildAndWait(Lock& building);

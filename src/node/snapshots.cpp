@@ -21,8 +21,7 @@ void Snapshots::Shelf::put(std::unique_ptr<OrganSnapshot> spare) {
   const std::lock_guard<std::mutex> lock(mutex_);
   try {
     spares_.push_back(std::move(spare));
-  } catch (const std::bad_alloc&) {
-    spare.reset();
+  } catch (const std::bad_alloc&) {  // freed when the lock is let go
   }
 }
 

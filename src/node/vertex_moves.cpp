@@ -100,8 +100,8 @@ void MoveLog::record(std::uint32_t version, std::vector<core::VertexId> vertices
     entries_.pop_front();
   };
   const bool whole = vertices.empty();
-  logged_ += vertices.size();
   entries_.push_back({version, std::move(vertices)});
+  logged_ += entries_.back().vertices.size();
   while (!entries_.empty() && (whole || logged_ > seen_.vertexCount())) forget_oldest();
 }
 

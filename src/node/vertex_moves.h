@@ -83,7 +83,8 @@ class MoveLog {
   MoveLog(std::size_t vertex_count, std::uint32_t version)
       : reaches_back_to_(version), seen_(vertex_count) {}
 
-  /// Moves of these vertices (empty: of all) led to `version`. REQUIRES: later than all before.
+  /// Moves of these vertices (empty: of all) led to `version`, or would have, had there been
+  /// memory. REQUIRES: not earlier than all before.
   void record(std::uint32_t version, std::vector<core::VertexId> vertices);
 
   /// What takes a state of `version` to the latest one, at `latest`, and from there by `moves`.

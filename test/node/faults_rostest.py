@@ -289,7 +289,7 @@ class Faults(unittest.TestCase):
                     ("localhost", 0), logRequests=False) as other:
                 wait_until(self.master.is_up, "the node")
                 uri = f"http://localhost:{other.server_address[1]}"
-                process.send_signal(signal.SIGSTOP)  # so that it asks the master before it hears that it is to end
+                process.send_signal(signal.SIGSTOP)  # it may ask the master before it hears that it is to end
                 self.master.register("/organ_collision", uri)
                 time.sleep(1.5)
                 process.send_signal(signal.SIGCONT)

@@ -106,6 +106,32 @@ TEST(OrganOutOfMemory, StaysAsItWasWhereAnUpdateFails) {
   }
 }
 
+/// Also where it is the search for what queries have lost, and the copy for that, that fail.
+TEST(OrganOutOfMemory, IsUpdatedOrTellsThatItIsNot) {
+  std::unique_ptr<Organ> organ;
+  const auto prepare = [&] {
+    organ = updatedOrgan();
+    ask(*organ, core::Accuracy::greedy());
+  };
+  const auto update = [&] {
+    organ->update(test::movesOf({7}, {Eigen::Vector3d(0.0, 1.5, 0.0)}), UpdateMode::kAuto, 0);
+  };
+  test::failEachAllocation(prepare, update, [&](bool failed) {
+    ASSERT_EQ(organ->snapshot()->version, failed ? 5U : 6U);
+  });
+}
+
+TEST(OrganOutOfMemory, MakesARebuildThatIsAskedForAgain) {
+  std::unique_ptr<Organ> organ;
+  test::failEachAllocation([&] { organ = updatedOrgan(); },
+                           [&] { organ->update({}, UpdateMode::kRebuild, 0); },
+                           [&](bool /*failed*/) {
+                             organ->update({}, UpdateMode::kRebuild, 0);
+                             ASSERT_GE(organ->builds().count, 2U);
+                             ASSERT_EQ(organ->builds().failure, "");
+                           });
+}
+
 TEST(OrganOutOfMemory, CountsWhatWasStreamedAndCannotBeApplied) {
   std::unique_ptr<Organ> organ;
   const auto prepare = [&] {

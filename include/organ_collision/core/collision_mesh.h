@@ -42,8 +42,8 @@ class CollisionMesh {
 
   /// Moves all vertices [m] and the hierarchy's bounds with them; the splits stay. O(n). Throws
   /// std::invalid_argument and changes nothing if the positions do not fit the mesh (see
-  /// TriangleMesh::setPositions()). After std::bad_alloc, also of the other refit, one of the two
-  /// must be repeated.
+  /// TriangleMesh::setPositions()). After std::bad_alloc, also of the other refit, it must be
+  /// refitted again, by either, before it is asked.
   void refit(Points positions);
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
