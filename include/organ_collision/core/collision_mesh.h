@@ -47,9 +47,9 @@ class CollisionMesh {
   void refit(Points positions);
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
-  /// they add to the health. `positions` [m] are those of `moved`, in its order. O(k log n) for k
-  /// vertices, but for what sticks out of the box of the last whole refit or leaves its faces, and
-  /// for surfaces of pieces that touch: O(n).
+  /// they add to the health. `positions` [m] are those of `moved`, in its order; of a vertex that
+  /// is there twice the last counts. O(k log n) for k vertices, but for what sticks out of the box
+  /// of the last whole refit or leaves its faces, and for surfaces of pieces that touch: O(n).
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
   /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing. Costs
