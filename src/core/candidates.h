@@ -8,8 +8,9 @@ namespace organ_collision::core {
 namespace {
 
 /// Of the packets looked at, the triangles that may be nearest. What is nearest of all is decided
-/// once for many packets, as each decision waits for all that leads to it.
-template <class Real>
+/// once for many packets, as each decision waits for all that leads to it. `kExact`: how near the
+/// others are at least is not asked.
+template <class Real, bool kExact>
 class Candidates {
  public:
   static constexpr std::uint32_t kMost = 32;  ///< packets
@@ -83,7 +84,7 @@ class Candidates {
 
   Truth<Real> within(Real reach, const Lanes<Real>& squares) {
     const Truth<Real> within = squares <= Lanes<Real>::all(squareOf(reach + rounding_));
-    leaveOut(!within, squares);
+    if constexpr (!kExact) leaveOut(!within, squares);
     return within;
   }
 

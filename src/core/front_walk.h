@@ -30,6 +30,7 @@ class FrontWalk {
   }
 
  private:
+  static constexpr bool kExact = true;
   static constexpr float kNotTied = -1.0F;
   static constexpr double kWayRounding = 4 * kRoundoff<float>;
 
@@ -132,7 +133,7 @@ class FrontWalk {
 
   Search& search_;
   Front& front_;
-  NearestSoFar<float, kCorners> nearest_;
+  NearestSoFar<float, kCorners, kExact> nearest_;
   FrontKeeper<kCorners> keeper_;
   float way_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
 };

@@ -20,8 +20,10 @@ namespace organ_collision::core {
 /// What the search asks of a tip: its corners, where to route it, how near a triangle is.
 class PointTip {
  public:
+  static constexpr std::size_t kCorners = 1;
+
   explicit PointTip(const Eigen::Vector3d& point) : point_(point) {}
-  std::array<Eigen::Vector3d, 1> corners() const { return {point_}; }
+  const Eigen::Vector3d& corner(std::size_t /*i*/) const { return point_; }
   const Eigen::Vector3d& routingPoint() const { return point_; }
   double squaredDistanceTo(const Box& box) const { return squaredDistance(box, point_); }
   ClosestPair measure(const Triangle& triangle) const {
@@ -34,8 +36,12 @@ class PointTip {
 
 class TriangleTip {
  public:
+  static constexpr std::size_t kCorners = 3;
+
   explicit TriangleTip(const Triangle& tip) : tip_(tip), centroid_(centroid(tip)) {}
-  std::array<Eigen::Vector3d, 3> corners() const { return {tip_.a, tip_.b, tip_.c}; }
+  const Eigen::Vector3d& corner(std::size_t i) const {
+    return i == 0 ? tip_.a : i == 1 ? tip_.b : tip_.c;
+  }
   const Eigen::Vector3d& routingPoint() const { return centroid_; }
   double squaredDistanceTo(const Box& box) const { return squaredDistance(box, boxOf(tip_)); }
   ClosestPair measure(const Triangle& triangle) const { return closestPoints(tip_, triangle); }
@@ -82,11 +88,9 @@ class NearestSearch : protected Search {
     packets = tree.packets().data();
     leaf_corners = tree.corners().data();
     fetches = tree.packets().size() > kUncachedPackets;
-    Eigen::Vector3d last = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    for (const Eigen::Vector3d& corner : tip.corners()) {
-      if (corner == last) continue;  // a segment or a point
-      last = corner;
-      const Eigen::Vector3d unit = tree.frame()(corner);
+    for (std::size_t i = 0; i < Tip::kCorners; ++i) {
+      if (i > 0 && tip.corner(i) == tip.corner(i - 1)) continue;  // a segment or a point
+      const Eigen::Vector3d unit = tree.frame()(tip.corner(i));
       corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
       farthest = std::max(farthest, largestCoordinate(unit));
     }
@@ -101,6 +105,7 @@ class NearestSearch : protected Search {
     };
     share = 1.0 / (1.0 + accuracy.max_relative_error);
     allowance = accuracy.max_absolute_error * scale_;
+    is_exact = share == 1.0 && allowance == 0.0 && !sparing;
     best = unopened = std::numeric_limits<double>::infinity();
     best_leaf = kNoLeaf;
     best_vertex = kNoVertex;

@@ -10,7 +10,8 @@ namespace organ_collision::core {
 namespace {
 
 /// How near a triangle is to a tip of one, two or three corners, and which triangles may be nearer.
-template <class Real, std::uint32_t kCorners>
+/// `kExact`: of a search that is exact; what that leaves out needs no bound, as it is not nearer.
+template <class Real, std::uint32_t kCorners, bool kExact>
 class NearestSoFar {
  public:
   explicit NearestSoFar(Search& search)
@@ -27,7 +28,7 @@ class NearestSoFar {
   Real reach() const { return reach_; }
   /// Boxes within this matter.
   Real squaredReach() const {
-    return search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
+    return kExact || search_.leaves_left > 0 ? squared_reach_ : Real{-kFloatInfinity};
   }
   /// Some triangle is not farther than this, but for the rounding of boxes.
   void isWithin(Real distance) {
@@ -37,12 +38,12 @@ class NearestSoFar {
 
   /// What was left out because it was farther than the best of its time is farther than the last.
   bool isExact() const {
-    return search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0;
+    return kExact || (search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0);
   }
 
-  /// Of triangles that touch the tip the first is named.
+  /// Of triangles that touch the tip the first is named: of a triangle, many may.
   bool isTooLate(const TrianglePacket& packet) const {
-    return search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
+    return !kIsPoint && search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
   }
 
   /// Looks at the triangles of a packet, which become candidates.
@@ -51,7 +52,7 @@ class NearestSoFar {
     const SquaredRange<Real> range = tip_.rangeOf(packet, rounding);
     const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
-    if (search_.sparing) {
+    if (!kExact && search_.sparing) {
       allowed = chosen(packet, root(range.high) + Lanes<Real>::all(rounding), rounding);
       candidates_.leaveOut(used & !allowed, range.low);
     } else {
@@ -63,7 +64,7 @@ class NearestSoFar {
   /// These triangles of a packet are candidates.
   [[gnu::always_inline]] void consider(const Truth<Real>& lanes, const SquaredRange<Real>& range,
                                        Real rounding, const TrianglePacket& packet) {
-    if (candidates_.packetCount() == Candidates<Real>::kMost) makeRoom();
+    if (candidates_.packetCount() == Candidates<Real, kExact>::kMost) makeRoom();
     candidates_.add(lanes, range, rounding, packet.first_leaf);
     if (!kIsPoint) {
       const Lanes<Real> meeting = Lanes<Real>::all(squareOf(rounding));
@@ -104,7 +105,7 @@ class NearestSoFar {
 
   void look() { look(static_cast<Real>(search_.best)); }
   void look(Real best) {
-    reach_ = allowedReach(best, share_, allowance_);
+    reach_ = kExact ? best : allowedReach(best, share_, allowance_);
     squared_reach_ = squaredReachOf(reach_);
   }
   Real squaredReachOf(Real reach) const { return squareOf(reach + tip_.boxRounding()); }
@@ -133,7 +134,7 @@ class NearestSoFar {
   void makeRoom() {
     decide();
     candidates_.dropBeyond(reachOfCandidates());
-    if (candidates_.packetCount() > Candidates<Real>::kMost / 2) measureCandidates();
+    if (candidates_.packetCount() > Candidates<Real, kExact>::kMost / 2) measureCandidates();
   }
 
   /// Measures exactly what still may be nearest, first what seems to be. Which those are is told
@@ -141,7 +142,7 @@ class NearestSoFar {
   void measureCandidates() {
     if (candidates_.packetCount() == 0) return;
     decide();
-    typename Candidates<Real>::Leaves leaves;
+    typename Candidates<Real, kExact>::Leaves leaves;
     const std::uint32_t count = candidates_.takeWithin(reachOfCandidates(), leaves);
     std::uint32_t first = search_.best_leaf;
     if (promised_) measure(first = promised_leaf_);
@@ -151,7 +152,7 @@ class NearestSoFar {
 
   /// Of few leaves no errors are allowed besides: more of them never make an answer worse.
   Real reachOfCandidates() const {
-    return search_.sparing ? static_cast<Real>(search_.best) : reach_;
+    return !kExact && search_.sparing ? static_cast<Real>(search_.best) : reach_;
   }
 
   Search& search_;
@@ -159,7 +160,7 @@ class NearestSoFar {
   const Real share_, allowance_;  // the search's, rounded so that nothing more is left out
   Real reach_;
   Real squared_reach_;
-  Candidates<Real> candidates_;
+  Candidates<Real, kExact> candidates_;
   bool promised_ = false;  // search_.best is owed to a triangle that was not measured
   std::uint32_t promised_leaf_ = 0;
 };

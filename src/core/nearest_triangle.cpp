@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -11,21 +12,44 @@
 
 namespace organ_collision::core {
 
+namespace {
+
+struct RoomSizes {
+  std::size_t levels, nodes, packets;
+  bool hold(const RoomSizes& other) const {
+    return other.levels <= levels && other.nodes <= nodes && other.packets <= packets;
+  }
+};
+
+struct SizedRoom {
+  RoomSizes sizes;
+  FrontierRoom room;
+};
+
+/// The calling thread's, which never gets smaller.
+SizedRoom enlargedRoom(const RoomSizes& sizes) {
+  thread_local HugePageVector<PassedNode> passed;
+  thread_local HugePageVector<std::uint32_t> nodes, packets;
+  thread_local HugePageVector<float> squares;
+  passed.resize(std::max(passed.size(), sizes.levels));
+  nodes.resize(std::max(nodes.size(), sizes.nodes));
+  packets.resize(std::max(packets.size(), sizes.packets));
+  squares.resize(packets.size());
+  return {{passed.size(), nodes.size(), squares.size()},
+          {passed.data(), nodes.data(), packets.data(), squares.data()}};
+}
+
+}  // namespace
+
 FrontierRoom roomFor(const WideTree& tree) {
-  struct Room {
-    HugePageVector<PassedNode> passed;
-    HugePageVector<std::uint32_t> nodes, packets;
-    HugePageVector<float> squares;
-  };
-  thread_local Room room;
-  const auto at_least = [](auto& items, std::size_t count) {
-    if (items.size() < count) items.resize(count);
-    return items.data();
-  };
-  const std::size_t packets = tree.packets().size() + kLaneCount;
-  return {at_least(room.passed, tree.depth()),
-          at_least(room.nodes, tree.nodes().size() + kLaneCount), at_least(room.packets, packets),
-          at_least(room.squares, packets)};
+  thread_local SizedRoom there = {};  // told without a guard, as it is plain data
+  const RoomSizes sizes = {tree.depth(), tree.nodes().size() + kLaneCount,
+                           tree.packets().size() + kLaneCount};
+  if (!there.sizes.hold(sizes)) {
+    there.sizes = {};  // until all of it is there
+    there = enlargedRoom(sizes);
+  }
+  return there.room;
 }
 
 void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest) {
@@ -55,7 +79,7 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
 
 void requireUsable(const Accuracy& accuracy) {
   const auto require = [](double value, const char* name) {
-    if (std::isfinite(value) && value >= 0.0) return;
+    if (value >= 0.0 && value <= std::numeric_limits<double>::max()) return;
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
                                 ": it must be finite and >= 0");
   };
@@ -81,7 +105,7 @@ NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accu
   NearestTriangle nearest = accuracy.max_leaves == 1
                                 ? greedyTo(organ, tip)
                                 : NearestSearch<Tip>(organ, tip, accuracy).run();
-  if (sign == Sign::kProven) addSign(organ, tip.corners().front(), nearest);
+  if (sign == Sign::kProven) addSign(organ, tip.corner(0), nearest);
   return nearest;
 }
 

@@ -17,12 +17,19 @@ inline void fetch(const Item& item) {
     __builtin_prefetch(reinterpret_cast<const char*>(&item) + i);
 }
 
-/// Of a tip of one, two or three corners. `kKeeps`: what is opened makes a front.
-template <class Real, std::uint32_t kCorners, bool kKeeps = false>
+/// What a walk is for.
+enum class Aim : std::uint8_t {
+  kAllowed,  ///< an answer as the search allows, and how near the others are at least
+  kExact,    ///< the nearest triangle: nothing needs to be known of what is left out
+  kFront,    ///< that, and what is opened makes a front
+};
+
+/// Of a tip of one, two or three corners.
+template <class Real, std::uint32_t kCorners, Aim kAim>
 class Walk {
  public:
   explicit Walk(Search& search) : search_(search), nearest_(search) {
-    if constexpr (kKeeps) keeper_.start(*search.front);
+    if constexpr (kAim == Aim::kFront) keeper_.start(*search.front);
   }
 
   void run() {
@@ -30,7 +37,7 @@ class Walk {
     if (search_.dives) {
       for (const PassedNode* passed = dive(); passed-- != search_.room.passed;) {
         openBeside(*passed, frontier);
-        if (search_.sparing) lookAll(frontier);  // few leaves are for what is beside the first
+        if (isSparing()) lookAll(frontier);  // few leaves are for what is beside the first
       }
     } else {
       frontier.addNode(kRoot);
@@ -43,6 +50,14 @@ class Walk {
  private:
   using SeenBoxes = typename WalkingTip<Real, kCorners>::SeenBoxes;
   static constexpr std::uint32_t kRoot = 0;
+  static constexpr bool kExact = kAim != Aim::kAllowed;
+
+  bool isSparing() const { return !kExact && search_.sparing; }
+
+  /// These sets, whose squares are those of their bounds, are not opened.
+  void leaveOut(const Truth<Real>& sets, const Lanes<Real>& squares) {
+    if constexpr (!kExact) boxes_left_out_ = leastOfThose(sets, squares, boxes_left_out_);
+  }
 
   void leaveOutBoxes() {
     nearest_.leaveOut(rootOf(leastOf(boxes_left_out_)) *
@@ -62,7 +77,7 @@ class Walk {
       const WideNode& node = search_.nodes[set];
       const auto seen = nearest_.tip().boxesSeenIn(node);
       const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
-      if (kCorners == 2 || search_.sparing) next = setIn(node, nearestLane(node, seen, squares));
+      if (kCorners == 2 || isSparing()) next = setIn(node, nearestLane(node, seen, squares));
       select(only(laneOf(node, next)), infinite<float>(), inFloats(squares))
           .store(passed->squares.data());
       passed->node = set;
@@ -127,8 +142,7 @@ class Walk {
   [[gnu::always_inline]] std::uint32_t put(const WideNode& node, const Lanes<Real>& squares,
                                            Frontier& frontier) {
     const Truth<Real> matter = squares <= Lanes<Real>::all(nearest_.squaredReach());
-    // Lanes that are not in use repeat others.
-    boxes_left_out_ = leastOfThose(!matter, squares, boxes_left_out_);
+    leaveOut(!matter, squares);  // lanes that are not in use repeat others
     const std::uint32_t lanes = matter.bits() & ((1U << node.lane_count) - 1);
     frontier.add(node, lanes, inFloats(squares));
     return lanes;
@@ -136,7 +150,7 @@ class Walk {
 
   /// The sets of a node but for those nodes among them, by bits, that are opened, too.
   void keep(const WideNode& node, std::uint32_t opened) {
-    if constexpr (kKeeps) {
+    if constexpr (kAim == Aim::kFront) {
       KeptSets* const kept = keeper_.roomFor(static_cast<std::uint32_t>(&node - search_.nodes));
       const std::uint32_t nodes = (1U << node.node_count) - 1;
       const std::uint32_t all = (1U << node.lane_count) - 1;
@@ -149,7 +163,7 @@ class Walk {
   /// nearest is known; a few are looked at sooner than it is told which of them do.
   void scanAll(Frontier& frontier) {
     constexpr std::uint32_t kFew = 20;
-    if (search_.sparing) {
+    if (isSparing()) {
       while (frontier.packetCount() > 0) lookAtNearest(frontier);
       return;
     }
@@ -178,33 +192,34 @@ class Walk {
   }
 
   Search& search_;
-  NearestSoFar<Real, kCorners> nearest_;
+  NearestSoFar<Real, kCorners, kExact> nearest_;
   Lanes<Real> boxes_left_out_ = infinite<Real>();  // the nearest of those, squared
   FrontKeeper<kCorners> keeper_;
 };
 
-/// Points are most of what is asked: all in one piece, as calls pass vectors through memory.
-[[gnu::flatten]] inline void walkFromPoint(Search& search) { Walk<float, 1>(search).run(); }
-
-[[gnu::flatten]] inline void walkFromSegment(Search& search) { Walk<float, 2>(search).run(); }
+/// All in one piece, as calls pass vectors through memory.
+template <std::uint32_t kCorners, Aim kAim>
+[[gnu::flatten]] inline void walkInOnePiece(Search& search) {
+  Walk<float, kCorners, kAim>(search).run();
+}
 
 /// REQUIRES: a tip that is far keeps no front.
+template <std::uint32_t kCorners>
+inline void walkFrom(Search& search) {
+  if (!(search.farthest < kFar)) return Walk<double, kCorners, Aim::kAllowed>(search).run();
+  if (search.front != nullptr) return Walk<float, kCorners, Aim::kFront>(search).run();
+  if (search.is_exact) return walkInOnePiece<kCorners, Aim::kExact>(search);
+  walkInOnePiece<kCorners, Aim::kAllowed>(search);
+}
+
 inline void walk(Search& search) {
-  const bool is_far = !(search.farthest < kFar);
-  const bool keeps = search.front != nullptr;
   switch (search.corner_count) {
     case 1:
-      return is_far  ? Walk<double, 1>(search).run()
-             : keeps ? Walk<float, 1, true>(search).run()
-                     : walkFromPoint(search);
+      return walkFrom<1>(search);
     case 2:
-      return is_far  ? Walk<double, 2>(search).run()
-             : keeps ? Walk<float, 2, true>(search).run()
-                     : walkFromSegment(search);
+      return walkFrom<2>(search);
     default:
-      return is_far  ? Walk<double, 3>(search).run()
-             : keeps ? Walk<float, 3, true>(search).run()
-                     : Walk<float, 3>(search).run();
+      return walkFrom<3>(search);
   }
 }
 

@@ -68,7 +68,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   NearestTriangle run(Sign sign) {
     if (!(this->farthest < kFar)) {  // what was followed is as far away as it was
       NearestTriangle nearest = NearestSearch<Tip>::run();
-      if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corners().front(), nearest);
+      if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corner(0), nearest);
       return nearest;
     }
     auto& patience = memory_.patience;
@@ -85,7 +85,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     if (!isNormalKnown(nearest)) memory_.normal.reset();
     remember();  // first: addSign() may throw
     if (sign == Sign::kProven)
-      addSign(this->organ_, this->tip_.corners().front(), normalAt(nearest), nearest);
+      addSign(this->organ_, this->tip_.corner(0), normalAt(nearest), nearest);
     return nearest;
   }
 
@@ -106,11 +106,10 @@ class TrackedSearch : private NearestSearch<Tip> {
   std::optional<Step> step() const {
     constexpr double kRounding = 1 + 8 * 0x1p-53;
     const std::optional<double> travel = state_.since(memory_.organ);
-    if (!travel || memory_.corner_count != this->tip_.corners().size()) return std::nullopt;
+    if (!travel || memory_.corner_count != Tip::kCorners) return std::nullopt;
     double tip_step = 0.0;
-    const auto now = this->tip_.corners();
-    for (std::size_t i = 0; i < now.size(); ++i)
-      tip_step = std::max(tip_step, (now[i] - memory_.corners[i]).norm());
+    for (std::size_t i = 0; i < Tip::kCorners; ++i)
+      tip_step = std::max(tip_step, (this->tip_.corner(i) - memory_.corners[i]).norm());
     return Step{*travel * kRounding * this->scale_,
                 (tip_step + *travel) * kRounding * this->scale_};
   }
@@ -187,9 +186,8 @@ class TrackedSearch : private NearestSearch<Tip> {
   }
 
   void remember() {
-    const auto now = this->tip_.corners();
-    std::copy(now.begin(), now.end(), memory_.corners.begin());
-    memory_.corner_count = now.size();
+    for (std::size_t i = 0; i < Tip::kCorners; ++i) memory_.corners[i] = this->tip_.corner(i);
+    memory_.corner_count = Tip::kCorners;
     memory_.front.nearest = this->best_leaf;
     memory_.organ = state_;
     memory_.scale = this->scale_;

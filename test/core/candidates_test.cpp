@@ -34,12 +34,12 @@ class CandidatesOfPackets : public testing::Test {
   }
 
   std::vector<std::uint32_t> takenWithin(float reach) {
-    Candidates<float>::Leaves leaves;
+    Candidates<float, false>::Leaves leaves;
     const std::uint32_t count = candidates_.takeWithin(reach, leaves);
     return {leaves, leaves + count};
   }
 
-  Candidates<float> candidates_;
+  Candidates<float, false> candidates_;
 };
 
 TEST_F(CandidatesOfPackets, AreNotFartherThanTheNearest) {
