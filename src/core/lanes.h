@@ -348,10 +348,12 @@ inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bou
 
 /// True in these lanes, by bits.
 inline Truth<float> lanesOf(std::uint32_t bits) {
+  using Bits __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
+  const Bits chosen =
+      (Bits{} + static_cast<std::int32_t>(bits)) & Bits{1, 2, 4, 8, 16, 32, 64, 128};
+  const Bits truths = chosen != 0;
   Truth<float> lanes;
-  for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-    lanes.part[lane / Lanes<float>::kPartLanes][lane % Lanes<float>::kPartLanes] =
-        (bits >> lane & 1U) != 0 ? -1 : 0;
+  __builtin_memcpy(lanes.part, &truths, sizeof(lanes.part));
   return lanes;
 }
 
