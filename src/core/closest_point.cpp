@@ -202,7 +202,7 @@ Feature featureOf(const Vector3d& barycentric) {
                    (barycentric.z() > 0 ? 4U : 0U)];
 }
 
-/// Rounding leads out of the triangle: back into its box.
+/// Rounding may lead out of a triangle: back into its box.
 Vector3d keptInBox(const Vector3d& point, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return point.cwiseMax(a.cwiseMin(b).cwiseMin(c)).cwiseMin(a.cwiseMax(b).cwiseMax(c));
 }

@@ -138,10 +138,10 @@ class FrontWalk {
   float way_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
 };
 
-/// In one piece, like walkFromPoint().
+/// In one piece, like walkInOnePiece().
 [[gnu::flatten]] inline bool followPoint(Search& search) { return FrontWalk<1>(search).run(); }
 
-/// REQUIRES: the tip is near; there is a front.
+/// REQUIRES: the search is exact, and its tip is near; there is a front.
 inline bool follow(Search& search) {
   switch (search.corner_count) {
     case 1:

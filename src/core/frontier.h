@@ -7,9 +7,7 @@
 namespace organ_collision::core {
 namespace {
 
-using Keys __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
-
-constexpr Keys kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr LaneInts kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::int32_t kLaneBits = 7;
 
 /// Lower bounds in single precision.
@@ -23,11 +21,11 @@ inline Lanes<float> inFloats(const Lanes<double>& bounds) {
 /// The lane of the least of the first `count` numbers. Those that differ by less than a millionth
 /// may tie. REQUIRES: none is negative.
 inline std::uint32_t laneOfLeast(const Lanes<float>& numbers, std::uint32_t count) {
-  using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
-  Keys keys;  // in an order that integers keep, with the lanes' numbers in the last bits
+  using Unsigned __attribute__((vector_size(sizeof(LaneInts)))) = std::uint32_t;
+  LaneInts keys;  // in an order that integers keep, with the lanes' numbers in the last bits
   __builtin_memcpy(&keys, numbers.part, sizeof(keys));
   keys = (keys & ~kLaneBits) | kLaneNumbers;
-  keys = kLaneNumbers < static_cast<std::int32_t>(count) ? keys : -1 - Keys{};
+  keys = kLaneNumbers < static_cast<std::int32_t>(count) ? keys : -1 - LaneInts{};
   auto least = reinterpret_cast<Unsigned>(keys);
   const auto fold = [&least](const Unsigned& others) { least = least < others ? least : others; };
   fold(__builtin_shufflevector(least, least, 4, 5, 6, 7, 0, 1, 2, 3));
@@ -52,7 +50,7 @@ alignas(64) constexpr std::array<std::uint32_t, 256> kChosenLanes = chosenLanes(
 
 /// Writes `first` plus each chosen lane's number, and room for as many as there are lanes.
 inline void writeNumbers(std::uint32_t chosen, std::uint32_t first, std::uint32_t* numbers) {
-  using Unsigned __attribute__((vector_size(sizeof(Keys)))) = std::uint32_t;
+  using Unsigned __attribute__((vector_size(sizeof(LaneInts)))) = std::uint32_t;
   const Unsigned lanes = (Unsigned{} + chosen) >> Unsigned{0, 3, 6, 9, 12, 15, 18, 21};
   const Unsigned written = (lanes & static_cast<std::uint32_t>(kLaneBits)) + first;
   __builtin_memcpy(numbers, &written, sizeof(written));

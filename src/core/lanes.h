@@ -79,6 +79,8 @@ inline std::uint32_t bitsOf(const Truths& truths) {
   return bits;
 }
 
+using LaneInts __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
+
 template <class Real>
 struct Truth {
   static constexpr int kParts = kLanes * int{sizeof(Real)} / kPartBytes<Real>;
@@ -348,10 +350,9 @@ inline Lanes<Real> leastOfThose(const Truth<Real>& those, const Lanes<Real>& bou
 
 /// True in these lanes, by bits.
 inline Truth<float> lanesOf(std::uint32_t bits) {
-  using Bits __attribute__((vector_size(kLanes * sizeof(std::int32_t)))) = std::int32_t;
-  const Bits chosen =
-      (Bits{} + static_cast<std::int32_t>(bits)) & Bits{1, 2, 4, 8, 16, 32, 64, 128};
-  const Bits truths = chosen != 0;
+  const LaneInts chosen =
+      (LaneInts{} + static_cast<std::int32_t>(bits)) & LaneInts{1, 2, 4, 8, 16, 32, 64, 128};
+  const LaneInts truths = chosen != 0;
   Truth<float> lanes;
   __builtin_memcpy(lanes.part, &truths, sizeof(lanes.part));
   return lanes;
@@ -375,9 +376,8 @@ inline std::uint32_t signsOf(const Lanes<float>& lanes) {
 inline Lanes<float> permuted(const Lanes<float>& lanes, std::uint32_t numbers) {
   Lanes<float> result;
 #if defined(__AVX2__)
-  using Eight __attribute__((vector_size(32))) = std::int32_t;
-  const Eight chosen =
-      (Eight{} + static_cast<std::int32_t>(numbers)) >> Eight{0, 3, 6, 9, 12, 15, 18, 21};
+  const LaneInts chosen =
+      (LaneInts{} + static_cast<std::int32_t>(numbers)) >> LaneInts{0, 3, 6, 9, 12, 15, 18, 21};
   result.part[0] =
       __builtin_ia32_permvarsf256(lanes.part[0], chosen);  // the lowest three bits count
 #else

@@ -24,6 +24,8 @@ class NearestSoFar {
 
   const WalkingTip<Real, kCorners>& tip() const { return tip_; }
 
+  /// Leaves are few.
+  bool isSparing() const { return !kExact && search_.sparing; }
   /// What is farther is left out.
   Real reach() const { return reach_; }
   /// Boxes within this matter.
@@ -41,9 +43,9 @@ class NearestSoFar {
     return kExact || (search_.share == 1.0 && search_.allowance == 0.0 && search_.leaves_left > 0);
   }
 
-  /// Of triangles that touch the tip the first is named: of a triangle, many may.
+  /// Of triangles that touch the tip the first is named.
   bool isTooLate(const TrianglePacket& packet) const {
-    return !kIsPoint && search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
+    return search_.best == 0.0 && packet.first_leaf > search_.best_leaf;
   }
 
   /// Looks at the triangles of a packet, which become candidates.
@@ -52,7 +54,7 @@ class NearestSoFar {
     const SquaredRange<Real> range = tip_.rangeOf(packet, rounding);
     const Truth<Real> used = lanesInUse<Real>(packet);
     Truth<Real> allowed = used;
-    if (!kExact && search_.sparing) {
+    if (isSparing()) {
       allowed = chosen(packet, root(range.high) + Lanes<Real>::all(rounding), rounding);
       candidates_.leaveOut(used & !allowed, range.low);
     } else {
@@ -151,9 +153,7 @@ class NearestSoFar {
   }
 
   /// Of few leaves no errors are allowed besides: more of them never make an answer worse.
-  Real reachOfCandidates() const {
-    return !kExact && search_.sparing ? static_cast<Real>(search_.best) : reach_;
-  }
+  Real reachOfCandidates() const { return isSparing() ? static_cast<Real>(search_.best) : reach_; }
 
   Search& search_;
   const WalkingTip<Real, kCorners> tip_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -42,14 +41,14 @@ SizedRoom enlargedRoom(const RoomSizes& sizes) {
 }  // namespace
 
 FrontierRoom roomFor(const WideTree& tree) {
-  thread_local SizedRoom there = {};  // told without a guard, as it is plain data
+  thread_local SizedRoom known = {};  // plain data: no guard is asked at each query
   const RoomSizes sizes = {tree.depth(), tree.nodes().size() + kLaneCount,
                            tree.packets().size() + kLaneCount};
-  if (!there.sizes.hold(sizes)) {
-    there.sizes = {};  // until all of it is there
-    there = enlargedRoom(sizes);
+  if (!known.sizes.hold(sizes)) {
+    known.sizes = {};  // until all of it is there
+    known = enlargedRoom(sizes);
   }
-  return there.room;
+  return known.room;
 }
 
 void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest) {
@@ -79,7 +78,7 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
 
 void requireUsable(const Accuracy& accuracy) {
   const auto require = [](double value, const char* name) {
-    if (value >= 0.0 && value <= std::numeric_limits<double>::max()) return;
+    if (std::isfinite(value) && value >= 0.0) return;
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
                                 ": it must be finite and >= 0");
   };

@@ -66,8 +66,8 @@ struct Search {
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
   FrontierRoom room;
-  bool dives = true;  ///< to find something near first, as nothing is known that is
-  bool is_exact;      ///< leaves are not counted, and the next two leave nothing out that is nearer
+  bool dives = true;        ///< to find something near first, as nothing is known that is
+  bool is_exact;            ///< `share` is 1, `allowance` 0, and leaves are not counted
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out
 
   /// Measures a triangle exactly, and lowers `best` if it is the nearest so far.

@@ -37,7 +37,7 @@ class Walk {
     if (search_.dives) {
       for (const PassedNode* passed = dive(); passed-- != search_.room.passed;) {
         openBeside(*passed, frontier);
-        if (isSparing()) lookAll(frontier);  // few leaves are for what is beside the first
+        if (nearest_.isSparing()) lookAll(frontier);  // few leaves are for what is beside the first
       }
     } else {
       frontier.addNode(kRoot);
@@ -52,11 +52,9 @@ class Walk {
   static constexpr std::uint32_t kRoot = 0;
   static constexpr bool kExact = kAim != Aim::kAllowed;
 
-  bool isSparing() const { return !kExact && search_.sparing; }
-
-  /// These sets, whose squares are those of their bounds, are not opened.
-  void leaveOut(const Truth<Real>& sets, const Lanes<Real>& squares) {
-    if constexpr (!kExact) boxes_left_out_ = leastOfThose(sets, squares, boxes_left_out_);
+  /// Sets with bounds of these squares are not opened.
+  void leaveOut(const Lanes<Real>& squares) {
+    if constexpr (!kExact) boxes_left_out_ = smaller(squares, boxes_left_out_);
   }
 
   void leaveOutBoxes() {
@@ -77,7 +75,8 @@ class Walk {
       const WideNode& node = search_.nodes[set];
       const auto seen = nearest_.tip().boxesSeenIn(node);
       const Lanes<Real> squares = nearest_.tip().squaresOf(seen, node);
-      if (kCorners == 2 || isSparing()) next = setIn(node, nearestLane(node, seen, squares));
+      if (kCorners == 2 || nearest_.isSparing())
+        next = setIn(node, nearestLane(node, seen, squares));
       select(only(laneOf(node, next)), infinite<float>(), inFloats(squares))
           .store(passed->squares.data());
       passed->node = set;
@@ -142,7 +141,7 @@ class Walk {
   [[gnu::always_inline]] std::uint32_t put(const WideNode& node, const Lanes<Real>& squares,
                                            Frontier& frontier) {
     const Truth<Real> matter = squares <= Lanes<Real>::all(nearest_.squaredReach());
-    leaveOut(!matter, squares);  // lanes that are not in use repeat others
+    leaveOut(select(matter, infinite<Real>(), squares));  // lanes not in use repeat others
     const std::uint32_t lanes = matter.bits() & ((1U << node.lane_count) - 1);
     frontier.add(node, lanes, inFloats(squares));
     return lanes;
@@ -163,7 +162,7 @@ class Walk {
   /// nearest is known; a few are looked at sooner than it is told which of them do.
   void scanAll(Frontier& frontier) {
     constexpr std::uint32_t kFew = 20;
-    if (isSparing()) {
+    if (nearest_.isSparing()) {
       while (frontier.packetCount() > 0) lookAtNearest(frontier);
       return;
     }
@@ -183,7 +182,7 @@ class Walk {
     const Real square = nearest_.squaredReach();
     const float least =
         frontier.dropPacketsBeyond(square < kLargest ? static_cast<float>(square) : kFloatInfinity);
-    boxes_left_out_ = smaller(Lanes<Real>::all(Real{least}), boxes_left_out_);
+    leaveOut(Lanes<Real>::all(Real{least}));
   }
 
   void lookAt(std::uint32_t number) {
@@ -197,13 +196,13 @@ class Walk {
   FrontKeeper<kCorners> keeper_;
 };
 
-/// All in one piece, as calls pass vectors through memory.
+/// What is asked most is compiled in one piece, as calls pass vectors through memory.
 template <std::uint32_t kCorners, Aim kAim>
 [[gnu::flatten]] inline void walkInOnePiece(Search& search) {
   Walk<float, kCorners, kAim>(search).run();
 }
 
-/// REQUIRES: a tip that is far keeps no front.
+/// REQUIRES: a search that keeps a front is exact, and its tip is near.
 template <std::uint32_t kCorners>
 inline void walkFrom(Search& search) {
   if (!(search.farthest < kFar)) return Walk<double, kCorners, Aim::kAllowed>(search).run();

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "brute_force.h"
 #include "every_vector_unit.h"
@@ -106,6 +107,21 @@ TEST(Accuracy, AnErrorThatIsAllowedIsUsedToStopEarly) {
   EXPECT_LT(nearestTriangle(organ, far, {0.1, 0, 0}).work.bounds, exact / 2);
   EXPECT_LT(nearestTriangle(organ, far, {0, 0.02, 0}).work.bounds, exact / 2);
   EXPECT_LT(nearestTriangle(organ, far, {0, 0, 4}).work.bounds, exact / 2);
+}
+
+TEST(Accuracy, AnErrorSmallerThanAnyRoundingChangesNothing) {
+  const CollisionMesh organ(test::blob(5));
+  std::mt19937 generator(7);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d tip = test::randomPoint(generator, 2.0);
+    const NearestTriangle exact = nearestTriangle(organ, tip);
+    for (const Accuracy& accuracy : {Accuracy{1e-17, 0, 0}, Accuracy{0, 1e-300, 0}}) {
+      const NearestTriangle nearest = nearestTriangle(organ, tip, accuracy);
+      EXPECT_EQ(nearest.triangle, exact.triangle);
+      EXPECT_EQ(nearest.distance, exact.distance);
+      EXPECT_TRUE(nearest.isExact());
+    }
+  }
 }
 
 TEST(Accuracy, AnErrorLargerThanAnyLengthIsKept) {

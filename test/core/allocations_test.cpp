@@ -119,6 +119,18 @@ TEST(Allocations, AreNotMadeByContacts) {
             0);
 }
 
+TEST(Allocations, AreNotMadeByTurnsOverADeepOrganAndAWideOne) {
+  const CollisionMesh deep(test::halvings(40));
+  const CollisionMesh wide(test::grid(20, 20));
+  ASSERT_GT(deep.wideTree().depth(), wide.wideTree().depth());
+  ASSERT_LT(deep.wideTree().packets().size(), wide.wideTree().packets().size());
+  EXPECT_EQ(allocationsOf([&](const Vector3d& tip) {
+              nearestTriangle(deep, tip);
+              nearestTriangle(wide, tip);
+            }),
+            0);
+}
+
 TEST(Allocations, AreNotMadeByFollowingATip) {
   const CollisionMesh organ(test::blob(4));
   Tracker of_points;
@@ -205,6 +217,21 @@ TEST(OutOfMemory, LeavesATrackerRight) {
           }
         });
   }
+  EXPECT_GT(failures, 0);
+}
+
+TEST(OutOfMemory, LeavesRoomForSearchesOfASmallerOrgan) {
+  const CollisionMesh small(test::blob(2));
+  const CollisionMesh large(test::blob(5));
+  const Vector3d tip(0.3, 0.2, 0.4);
+  const NearestTriangle expected = nearestTriangle(small, tip);
+  const std::size_t failures =
+      failuresSurvived([&] { return nearestTriangle(small, tip); },
+                       [&](NearestTriangle& /*of_small*/) { nearestTriangle(large, tip); },
+                       [&](NearestTriangle& of_small) {
+                         of_small = nearestTriangle(small, tip);
+                         expectSame(of_small, expected);
+                       });
   EXPECT_GT(failures, 0);
 }
 

@@ -134,6 +134,10 @@ TEST(Lanes, AreNamedByTheirNumbers) {
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) EXPECT_EQ(only(lane).bits(), 1U << lane);
 }
 
+TEST(Lanes, AreNamedByBits) {
+  for (std::uint32_t bits = 0; bits <= kAll; ++bits) EXPECT_EQ(lanesOf(bits).bits(), bits);
+}
+
 TEST(Lanes, AreChosenByTheirNumbers) {
   const Lanes<float> lanes = Lanes<float>::numbers() - Lanes<float>::all(2.5F);
   constexpr std::uint32_t kNumbers = 05742013U;  // in octal, the first one last

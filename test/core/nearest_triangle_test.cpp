@@ -154,6 +154,7 @@ TEST(NearestTriangle, OfAShaftThatPointsAtTheOrganIsFoundNearlyAsSoonAsOfItsEnd)
 TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_THAT([&] { nearestTriangle(cube, Eigen::Vector3d(0, nan, 0)); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
   EXPECT_THAT([&] { greedyTriangle(cube, Eigen::Vector3d(nan, 0, 0)); },
@@ -173,6 +174,11 @@ TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
         nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {0, nan, 0});
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("max_absolute_error")));
+  EXPECT_THAT(
+      [&] {
+        nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {infinity, 0, 0});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("max_relative_error is inf")));
 }
 
 }  // namespace
