@@ -15,6 +15,7 @@ from tf2_msgs.msg import TFMessage
 
 from organ_collision.msg import Contact
 
+TOPICS = {"PSM1": "PSM1/measured_cp", "PSM2": "CRTK/psm2/measured_cp"}
 CART = Pose((0.3, -0.1, 0.2), (0.1, -0.2, 0.3, 0.9))  # where the arms' base is in the world
 RADIUS = 0.002  # [m] of examples/crtk.yaml
 CLIENT = roslib.packages.find_node("organ_collision", "example_client")[0]
@@ -27,7 +28,7 @@ class Crtk(unittest.TestCase):
         cls.frames = Frames()
         cls.frames.fix(("world", "liver", Pose((0.5, 0.1, 0.2))), ("world", "cart", CART))
         cls.contacts = ContactsInbox()
-        cls.arms = {arm: rospy.Publisher(arm + "/measured_cp", PoseStamped, queue_size=1) for arm in ("PSM1", "PSM2")}
+        cls.arms = {arm: rospy.Publisher(topic, PoseStamped, queue_size=1) for arm, topic in TOPICS.items()}
         for publisher in cls.arms.values():
             wait_until(lambda: publisher.get_num_connections() > 0, "the relay")
 

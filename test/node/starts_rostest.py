@@ -244,6 +244,8 @@ class Starts(unittest.TestCase):
             (["_arms:=[PSM1]"], "arms", "['PSM1']"),
             (["_arms:={}"], "arms", "{}"),
             (["_arms:={PSM1: 5}"], "arms/PSM1", "5"),
+            (["_arms:={CRTK: {psm1: 5}}"], "arms/CRTK/psm1", "5"),
+            (["_arms:={CRTK: {psm1: {}}}"], "arms/CRTK/psm1", "{}"),
             (["_arms:={PSM1: ''}"], "arms/PSM1", "''"),
             (["_arms:={PSM-1: tip}"], "arms", "{'PSM-1': 'tip'}"),
             (["_arms:={'': tip}"], "arms", "{'': 'tip'}"),

@@ -28,7 +28,8 @@ struct Capsule {
 struct RigidMesh {
   std::shared_ptr<const CollisionMesh> surface;
   Eigen::Isometry3d pose;  ///< frame_from_surface
-  bool convex = false;     ///< against other instruments it counts as its convex hull
+  bool convex = false;     ///< the node takes its convex hull, against others that are convex or
+                           ///< round; proximity() does not
 };
 
 /// A piece of an instrument: a point, a triangle as in the paper, a sphere, a capsule or a mesh,

@@ -37,7 +37,8 @@ struct Instrument {
   std::string frame;  ///< tf frame of the tip, or of the link
   /// [m] in the tip's frame; a point and a sphere are at its origin.
   std::variant<core::Shape, MeshFile, RobotLink> geometry;
-  bool convex = false;  ///< against other instruments its meshes count as their convex hulls
+  bool convex = false;  ///< against convex or round pieces of other instruments its meshes count as
+                        ///< their convex hulls
 };
 
 /// Indices into Scene::instruments and Scene::organs.
