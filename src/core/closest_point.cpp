@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/plane_coordinates.h"
+#include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -133,6 +134,7 @@ Products inSafeUnit(const View& view) {
 }
 
 /// Steps to the point with these weights of left and right; false if it is not inside the face.
+/// Not called, as most that is measured passes here.
 [[gnu::always_inline]] inline bool stepInside(const View& view, const Vector2d& weights,
                                               Candidate& best) {
   const double s = weights.x();
@@ -202,11 +204,6 @@ Feature featureOf(const Vector3d& barycentric) {
                    (barycentric.z() > 0 ? 4U : 0U)];
 }
 
-/// Rounding may lead out of a triangle: back into its box.
-Vector3d keptInBox(const Vector3d& point, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  return point.cwiseMax(a.cwiseMin(b).cwiseMin(c)).cwiseMin(a.cwiseMax(b).cwiseMax(c));
-}
-
 }  // namespace
 
 bool isClosestCorner(const Vector3d& offset, const Vector3d& edge, const Vector3d& other_edge) {
@@ -246,10 +243,11 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& trian
   }
   considerBeyondBase(view, products, best);
 
+  const Box seen = boxOf(corners[0].offset, corners[1].offset, corners[2].offset);
+  const Box box = boxOf(triangle);
   ClosestPoint closest;
-  closest.offset = keptInBox(best.base->offset + best.step, corners[0].offset, corners[1].offset,
-                             corners[2].offset);
-  closest.point = keptInBox(best.base->position + best.step, triangle.a, triangle.b, triangle.c);
+  closest.offset = (best.base->offset + best.step).cwiseMax(seen.low).cwiseMin(seen.high);
+  closest.point = (best.base->position + best.step).cwiseMax(box.low).cwiseMin(box.high);
   closest.barycentric = best.barycentric;
   closest.feature = featureOf(best.barycentric);
   closest.squared_distance = squaredLength(closest.offset);

@@ -25,10 +25,11 @@ struct Box {
   }
 };
 
-inline Box boxOf(const Triangle& triangle) {
-  return {triangle.a.cwiseMin(triangle.b).cwiseMin(triangle.c),
-          triangle.a.cwiseMax(triangle.b).cwiseMax(triangle.c)};
+/// Around three points, and around a triangle.
+inline Box boxOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
+inline Box boxOf(const Triangle& triangle) { return boxOf(triangle.a, triangle.b, triangle.c); }
 
 /// A bound [m^2] that no squared distance between points of the two boxes falls below, in computed
 /// arithmetic too: every step is monotone under rounding.
