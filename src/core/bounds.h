@@ -8,7 +8,7 @@
 // is relative to an origin: let r be the radius around it, d the sum of the tip's coordinates'
 // magnitudes there, u the unit roundoff of Real, v that of single precision, in which boxes and
 // triangles are kept. Rounding moves the tip by u*d, turning it adds 3*u*d; stored corners are off
-// by 4*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
+// by 24*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
 // 3*u*(d + 4*r). Together below 16*u*d + 64*(u + v)*r, which every bound gives away; that also
 // covers the 4*u*extent of the exact measurement, and the u*d by which the tip is rounded itself.
 // Boxes of nodes are widened by what concerns r (enclose.h): there 16*u*d is enough, 4*r being a

@@ -77,14 +77,13 @@ struct ProvenSides {
 };
 
 /// From the squared distances themselves.
-inline ProvenSides sidesOf(const Descent& descent, const PacketSplits& packet) {
-  const auto& [x, y, z] = packet.centroids;
-  const LaneVector<float> centroids = {Lanes<float>::copy(x.data()), Lanes<float>::copy(y.data()),
-                                       Lanes<float>::copy(z.data())};
-  const LaneVector<float> offset = centroids - everywhere(vectorOf<float>(descent.tip));
+inline ProvenSides sidesOf(const Descent& descent, const TrianglePacket& packet,
+                           const PacketSplits& splits) {
+  const LaneVector<float> offset =
+      load<float>(packet.centroid) - everywhere(vectorOf<float>(descent.tip));
   const Lanes<float> squares = dot(offset, offset);
-  const Lanes<float> one = permuted(squares, packet.poles[0]);
-  const Lanes<float> other = permuted(squares, packet.poles[1]);
+  const Lanes<float> one = permuted(squares, splits.poles[0]);
+  const Lanes<float> other = permuted(squares, splits.poles[1]);
   const Lanes<float> sides = one - other;
   const Lanes<float> rounding =
       Lanes<float>::all(kSquareRounding * descent.reach * descent.reach) * (one + other) +
@@ -124,11 +123,12 @@ inline bool descend(Descent& descent) {
       continue;
     }
     const std::uint32_t number = (set & ~kPacketBit) / kLaneCount;
-    const std::uint32_t first_leaf = descent.triangles[number].first_leaf;
+    const TrianglePacket& packet = descent.packets[number];
+    const std::uint32_t first_leaf = packet.first_leaf;
     __builtin_prefetch(descent.leaf_corners + first_leaf);  // what comes next waits for them
-    const PacketSplits& packet = descent.packets[number];
-    const ProvenSides within = sidesOf(descent, packet);
-    const Choice leaf = chosenSet(packet.paths, set % kLaneCount, signsOf(within.sides));
+    const PacketSplits& splits = descent.packet_splits[number];
+    const ProvenSides within = sidesOf(descent, packet, splits);
+    const Choice leaf = chosenSet(splits.paths, set % kLaneCount, signsOf(within.sides));
     if (!leaf.isSure(within.sure)) {
       descent.node = node_number;
       descent.sure = 0;  // from the node on, all is asked again

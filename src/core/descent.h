@@ -16,9 +16,9 @@ using LastWay = std::array<std::uint32_t, 16>;
 /// frame.
 struct Descent {
   const NodeSplits* nodes;
-  const PacketSplits* packets;
-  const TrianglePacket* triangles;  ///< of the packets
-  const Corners* leaf_corners;      ///< of them, by leaf
+  const TrianglePacket* packets;
+  const PacketSplits* packet_splits;
+  const Corners* leaf_corners;  ///< of their triangles, by leaf
   LastWay* last_way;
   std::array<float, 3> tip;
   float reach;     ///< 1 and the largest magnitude of the tip's coordinates, at least

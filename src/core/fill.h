@@ -2,9 +2,9 @@
 
 #include "core/bounds.h"
 #include "core/kernels.h"
-#include "core/lane_vector.h"
+#include "core/node_boxes.h"
 
-// Packets of triangles, for whichever vector unit includes it.
+// Packets of triangles and their boxes, for whichever vector unit includes it.
 namespace organ_collision::core {
 namespace {
 
@@ -64,33 +64,113 @@ struct LaneTally {
   NodeTally sum() const { return {sumOf(volume), sumOf(squared_edges), flat}; }
 };
 
-[[gnu::always_inline]] inline void fillOne(const VertexPlaces& places, const PacketCorners& corners,
-                                           TrianglePacket& packet, LanePoints& centroids,
-                                           LaneTally& tally) {
+/// In frames nothing is shorter, as squares are not to underflow: it is below kTiny.
+constexpr float kShortest = 0x1p-28F;
+/// A frame is taken in single precision where, from the base, no length is a smaller part of it:
+/// otherwise what rounding makes of the normal could be seen in the axes' lengths.
+constexpr float kSmallestPart = 0x1p-11F;
+
+/// A unit vector square to another.
+inline Vector<double> squareTo(const Vector<double>& v) {
+  const Vector<double> square = magnitudeOf(v.z) <= magnitudeOf(v.x) ? Vector<double>{-v.y, v.x, 0}
+                                                                     : Vector<double>{0, -v.z, v.y};
+  return 1 / rootOf(dot(square, square)) * square;
+}
+
+/// The frame of any triangle, also of one that is a point.
+[[gnu::cold]] inline void placeFrame(const Vector<double> (&corners)[3], std::uint32_t lane,
+                                     TrianglePacket& packet) {
+  constexpr double kLeast{kShortest};
+  std::size_t first = 0;  // of the longest edge
+  Vector<double> base = corners[1] - corners[0];
+  for (std::size_t i = 1; i < 3; ++i) {
+    const Vector<double> edge = corners[(i + 1) % 3] - corners[i];
+    if (dot(edge, edge) > dot(base, base)) {
+      first = i;
+      base = edge;
+    }
+  }
+  const double length = rootOf(dot(base, base));
+  const Vector<double> along = length > kLeast ? 1 / length * base : Vector<double>{1, 0, 0};
+  const Vector<double> side = corners[(first + 2) % 3] - corners[first];
+  const double before = dot(side, along);
+  const Vector<double> altitude = side - before * along;
+  const double height = rootOf(dot(altitude, altitude));
+  const Vector<double> up = height > kLeast ? 1 / height * altitude : squareTo(along);
+  const auto put = [lane](const Vector<double>& v, LanePoints& points) {
+    points[0][lane] = static_cast<float>(v.x);
+    points[1][lane] = static_cast<float>(v.y);
+    points[2][lane] = static_cast<float>(v.z);
+  };
+  const auto put_length = [lane](double x, LaneFloats& lengths) {
+    lengths[lane] = static_cast<float>(x > kLeast ? x : kLeast);
+  };
+  put(along, packet.along);
+  put(up, packet.up);
+  put_length(before, packet.before);
+  put_length(length - before, packet.beyond);
+  put_length(height, packet.height);
+}
+
+/// The frames of triangles with these corners, mostly with the first edge as the base. Corners are
+/// off by 12*u of the triangle's size: by 3*u along the base, 7*u by where the foot is, 7*u by the
+/// height, as the axes are square to each other but for 3*u whatever rounding makes of the normal.
+[[gnu::always_inline]] inline void placeFrames(
+    const LaneVector<float>& a, const LaneVector<float>& ab, const LaneVector<float>& ac,
+    const LaneVector<float>& normal, const Lanes<float>& squared_normal, TrianglePacket& packet) {
+  const Lanes<float> one = Lanes<float>::all(1);
+  const Lanes<float> length = root(dot(ab, ab));
+  const Lanes<float> inverse = one / length;
+  const LaneVector<float> along = inverse * ab;
+  const Lanes<float> before = dot(ac, along);
+  const Lanes<float> beyond = length - before;
+  const Lanes<float> length_of_normal = root(squared_normal);
+  const Lanes<float> height = inverse * length_of_normal;
+  store(along, packet.along);
+  store(one / length_of_normal * cross(normal, along), packet.up);
+  before.store(packet.before.data());
+  beyond.store(packet.beyond.data());
+  height.store(packet.height.data());
+  const Lanes<float> least =
+      larger(Lanes<float>::all(kSmallestPart) * length, Lanes<float>::all(kShortest));
+  const Truth<float> is_placed = least <= smaller(smaller(before, beyond), height);
+  for (std::uint32_t rest = (!is_placed).bits(); rest != 0; rest &= rest - 1) {  // seldom
+    const std::uint32_t lane = lowestBit(rest);
+    const auto corner = [lane](const LaneVector<float>& v) {
+      return Vector<double>{v.x[lane], v.y[lane], v.z[lane]};
+    };
+    placeFrame({corner(a), corner(a) + corner(ab), corner(a) + corner(ac)}, lane, packet);
+  }
+}
+
+/// Returns the triangles, in the unit frame.
+[[gnu::always_inline]] inline LaneTriangles<float> fillOne(const VertexPlaces& places,
+                                                           const PacketCorners& corners,
+                                                           TrianglePacket& packet,
+                                                           LaneTally& tally) {
   const LaneVector<float> a = gather(places.data(), corners[0]);
   const LaneVector<float> b = gather(places.data(), corners[1]);
   const LaneVector<float> c = gather(places.data(), corners[2]);
   const LaneVector<float> ab = b - a;
   const LaneVector<float> ac = c - a;
-  store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), centroids);
+  store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), packet.centroid);
 
   const Vector<float> first = {a.x[0], a.y[0], a.z[0]};
   packet.origin = {first.x, first.y, first.z};
-  const LaneVector<float> origin = everywhere(first);
-  const LaneVector<float> corner = a - origin;
-  store(corner, packet.corner);
-  store(ab, packet.edge1);
-  store(ac, packet.edge2);
-
+  const LaneVector<float> corner = a - everywhere(first);
   const LaneVector<float> normal = cross(ab, ac);
+  const Lanes<float> squared_normal = dot(normal, normal);
+  placeFrames(corner, ab, ac, normal, squared_normal, packet);
+
   const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);
   packet.radius = radiusAround(dot(corner, corner) + squared_edges);
   const Truth<float> in_use = lanesInUse<float>(packet);
-  const Truth<float> may_be_flat = dot(normal, normal) <= Lanes<float>::all(kFlat) * squared_edges;
+  const Truth<float> may_be_flat = squared_normal <= Lanes<float>::all(kFlat) * squared_edges;
   const Lanes<float> none{};
   tally.volume = tally.volume + select(in_use, dot(a, normal), none);
   tally.squared_edges = tally.squared_edges + select(in_use, squared_edges, none);
   tally.flat += static_cast<std::uint32_t>(__builtin_popcount((in_use & may_be_flat).bits()));
+  return {a, ab, ac};
 }
 
 inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
@@ -103,16 +183,21 @@ inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t beg
   for (std::uint32_t number = begin; number < end; ++number) {
     if (number + 1 < end) fetchAll(mesh, first(number + 1), first(number + 2));
     place(mesh, first(number), first(number + 1), places);
-    const WideNode& node = tree.nodes[number];
+    WideNode& node = tree.nodes[number];
     const std::uint32_t packet_count = node.lane_count - node.node_count;
     const PacketCorners* const corners = mesh.corners + node.first_packet;
     TrianglePacket* const packets = tree.packets + node.first_packet;
-    PacketSplits* const splits = tree.packet_splits + node.first_packet;
+    const Turn turn = turnOf(node);
+    SetBoxes boxes;
     LaneTally tally;
     for (std::uint32_t i = 0; i < packet_count; ++i) {
       __builtin_prefetch(&packets[i + kAhead].origin, 1);
-      fillOne(places, corners[i], packets[i], splits[i].centroids, tally);
+      LaneTriangles<float> triangles = fillOne(places, corners[i], packets[i], tally);
+      if (i == 0) node.origin = packets[i].origin;
+      triangles.a = triangles.a - everywhere(vectorOf<float>(node.origin));
+      boxes.set(node.node_count + i, boxOf(triangles, turn));
     }
+    if (packet_count > 0) node.radius = storeBoxes(node, node.node_count, node.lane_count, boxes);
     tree.tallies[number] = tally.sum();
   }
 }

@@ -11,8 +11,8 @@
 // that one of them says. Whatever the direction, that is a lower bound.
 //
 // Rounding, as parts of u: the shift of a corner is off by 1 of its length, its product with a
-// direction by 7, the direction's length by 4, the sums with bound and drift by 1 of each; now, and
-// when the bound was taken.
+// direction by 7, the direction's length by 12, the sums with bound and drift by 1 of each; now,
+// and when the bound was taken.
 namespace organ_collision::core {
 namespace {
 
@@ -89,16 +89,14 @@ class FrontKeeper {
   }
 
   /// Of these triangles of a packet, by lanes. Where no way keeps them apart, nothing is known.
-  void keepTriangles(const Ways<float>& ways, float rounding, const Truth<float>& lanes,
+  void keepTriangles(const Planes<float>& planes, float rounding, const Truth<float>& lanes,
                      KeptSets& kept) const {
-    const LaneVector<float> directions =
-        Lanes<float>::all(-1) / root(dot(ways.way, ways.way)) * ways.way;
-    keep(select(ways.gap <= Lanes<float>{}, LaneVector<float>{}, directions),
-         ways.gap - Lanes<float>::all(rounding), lanes, kept);
+    keep(select(planes.gap <= Lanes<float>{}, LaneVector<float>{}, planes.direction),
+         planes.gap - Lanes<float>::all(rounding), lanes, kept);
   }
 
  private:
-  static constexpr float kRounding = 16 * kRoundoff<float>;
+  static constexpr float kRounding = 32 * kRoundoff<float>;
 
   /// Infinite bounds of other lanes.
   void keep(const LaneVector<float>& directions, const Lanes<float>& bounds,

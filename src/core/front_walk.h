@@ -98,10 +98,10 @@ class FrontWalk {
   void scan(const TrianglePacket& packet, KeptSets& kept) {
     search_.triangles += packet.lane_count;
     float rounding = 0;
-    Ways<float> ways;
-    const SquaredRange<float> range = nearest_.tip().rangeOf(packet, rounding, &ways);
+    Planes<float> planes;
+    const SquaredRange<float> range = nearest_.tip().rangeOf(packet, rounding, &planes);
     const Truth<float> used = lanesInUse<float>(packet);
-    keeper_.keepTriangles(ways, kCorners == 1 ? 2 * rounding : rounding, used, kept);
+    keeper_.keepTriangles(planes, kCorners == 1 ? 2 * rounding : rounding, used, kept);
     const Truth<float> matter =
         used & (range.low <= Lanes<float>::all(squareOf(nearest_.reach() + rounding)));
     if (withoutNearest(matter.bits(), packet) != 0)

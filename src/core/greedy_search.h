@@ -31,8 +31,8 @@ inline Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip)
   const Eigen::Vector3f place = unit_tip.cast<float>();
   static thread_local LastWay last_way = {};
   return {guide.nodes.data(),
-          guide.packets.data(),
           organ.wideTree().packets().data(),
+          guide.packets.data(),
           organ.wideTree().corners().data(),
           &last_way,
           {place.x(), place.y(), place.z()},

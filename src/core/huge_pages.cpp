@@ -16,8 +16,9 @@ std::align_val_t placed(std::size_t size, std::size_t alignment) {
 void* allocateArray(std::size_t size, std::size_t alignment) {
   void* const array = ::operator new(size, placed(size, alignment));
 #if defined(MADV_HUGEPAGE)
-  // An advice: a system that does not take it goes on with small pages.
-  if (size >= kHugePage) madvise(array, size, MADV_HUGEPAGE);
+  // An advice: a system that does not take it goes on with small pages. So does the end of the
+  // array, for which most of a large one might be taken in vain.
+  if (size >= kHugePage) madvise(array, size / kHugePage * kHugePage, MADV_HUGEPAGE);
 #endif
   return array;
 }

@@ -37,9 +37,8 @@ struct PlainMesh {
 struct PlainTree {
   WideNode* nodes;
   NodeSplits* node_splits;
-  const Poles* poles;  ///< of the nodes' splits, by the places of their centroids
+  const Poles* poles;  ///< of the nodes' splits, by their slots
   TrianglePacket* packets;
-  PacketSplits* packet_splits;
   NodeTally* tallies;  ///< of the nodes' packets
   const NodePart* parts;
   const std::uint32_t* first_parts;  ///< of each node and, one more, their end
@@ -76,12 +75,13 @@ struct Kernels {
   void (*followPairs)(PairSearch& search, double step);
   /// REQUIRES: there is a point.
   PlainBox (*boxOf)(const double* points, std::size_t count);
-  /// Takes over where the triangles of some nodes' packets are, and their centroids. The
-  /// tallies count triangles that may be flat within rounding.
+  /// Takes over where the triangles of some nodes' packets are, and places the boxes around these
+  /// and the origins of nodes that have packets. The tallies count triangles that may be flat
+  /// within rounding.
   void (*fill)(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t begin,
                std::uint32_t end);
-  /// Places the origins, boxes and splits of nodes, the last first. REQUIRES: that is done for all
-  /// nodes and packets below.
+  /// Places the other origins and boxes, and the splits, of nodes, the last first. REQUIRES: their
+  /// packets and all below are filled, all nodes below enclosed.
   void (*enclose)(const PlainTree& tree, std::uint32_t begin, std::uint32_t end, Fit fit);
   /// What a set costs in up to 1, 2, ... 8 lanes: divided among its children, of which each takes
   /// one or more, or whole, in one lane, as a packet or as a node whose children share eight.

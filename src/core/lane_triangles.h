@@ -40,10 +40,41 @@ struct LaneTriangles {
            smaller(smaller(dot(direction, ab), dot(direction, ac)), Lanes<Real>{});
   }
 };
+
+/// The same in their own frames.
+template <class Real>
+struct LaneFrames {
+  LaneVector<Real> centroid, along, up;
+  Lanes<Real> before, beyond, height;
+
+  LaneVector<Real> normal() const { return cross(along, up); }
+  /// Where the centroid is in the frame, from the foot.
+  Lanes<Real> xOfCentroid() const { return third() * (beyond - before); }
+  Lanes<Real> yOfCentroid() const { return third() * height; }
+  LaneTriangles<Real> triangles() const {
+    const LaneVector<Real> base = (before + beyond) * along;
+    const LaneVector<Real> side = before * along + height * up;
+    return {centroid - third() * (base + side), base, side};
+  }
+
+ private:
+  static Lanes<Real> third() { return Lanes<Real>::all(Real{1} / 3); }
+};
+template <class Real>
+inline LaneFrames<Real> framesOf(const TrianglePacket& packet) {
+  return {load<Real>(packet.centroid),
+          load<Real>(packet.along),
+          load<Real>(packet.up),
+          Lanes<Real>::load(packet.before.data()),
+          Lanes<Real>::load(packet.beyond.data()),
+          Lanes<Real>::load(packet.height.data())};
+}
 /// Relative to the packet's origin.
 template <class Real>
 inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
-  return {load<Real>(packet.corner), load<Real>(packet.edge1), load<Real>(packet.edge2)};
+  LaneFrames<Real> frames = framesOf<Real>(packet);
+  frames.centroid = frames.centroid - everywhere(vectorOf<Real>(packet.origin));
+  return frames.triangles();
 }
 
 }  // namespace

@@ -25,94 +25,86 @@ inline void boxTriangles(const TrianglePacket& packet, LaneVector<Real>& low,
   high = {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)};
 }
 
-/// The point nearest to the origin of the segment from `start` along `edge`.
-template <class Real>
-inline LaneVector<Real> nearestOfSegment(const LaneVector<Real>& start,
-                                         const LaneVector<Real>& edge, const Lanes<Real>& along,
-                                         const Lanes<Real>& squared_edge) {
-  // larger() and smaller() make 0 of what is not a number: edges without length.
-  const Lanes<Real> t =
-      smaller(larger((Lanes<Real>{} - along) / squared_edge, Lanes<Real>{}), Lanes<Real>::all(1));
-  return start + t * edge;
-}
-template <class Real>
-inline Lanes<Real> squaredDistanceToSegment(const LaneVector<Real>& start,
-                                            const LaneVector<Real>& edge, const Lanes<Real>& along,
-                                            const Lanes<Real>& squared_edge) {
-  const LaneVector<Real> nearest = nearestOfSegment(start, edge, along, squared_edge);
-  return dot(nearest, nearest);
-}
-
 /// Between which distances, squared, a tip's distances to the triangles of a packet lie, but for
-/// roundingOf().
+/// what rounding takes.
 template <class Real>
 struct SquaredRange {
   Lanes<Real> low, high;
 };
 
-template <class Real>
-inline SquaredRange<Real> squaredDistanceOfPoint(const TrianglePacket& packet,
-                                                 const Vector<Real>& point, Real farthest) {
-  const auto [corner, ab, ac] = trianglesOf<Real>(packet);
-  const LaneVector<Real> a = corner - everywhere(point);
-  const LaneVector<Real> bc = ac - ab;
-  const LaneVector<Real> b = a + ab;
-  const Lanes<Real> abab = dot(ab, ab);
-  const Lanes<Real> acac = dot(ac, ac);
-  const Lanes<Real> aab = dot(a, ab);
-  const Lanes<Real> aac = dot(a, ac);
-  const Lanes<Real> to_edges = smaller(smaller(squaredDistanceToSegment(a, ab, aab, abab),
-                                               squaredDistanceToSegment(a, ac, aac, acac)),
-                                       squaredDistanceToSegment(b, bc, dot(b, bc), dot(bc, bc)));
+// Rounding, in the terms of bounds.h, for points. Of a triangle of size s <= r corners are off by
+// 20*v*s (fill.h). Let d be how far the point is from the centroid: at most its distance and 2/3*s
+// more. Its coordinates are off by 17*u*d, the axes being unit vectors but for 3*u and square but
+// for 5*u; what is nearest in the plane by 14*u*d + 10*u*s. So distances are off by 32*u of
+// themselves, and by 22*u*s + 10*u*s + 20*v*s, below 64*v*r.
 
-  // Where the point's projection lies in the face, the distance to its plane counts; where it may
-  // or may not, either. What cancels in products of edges is 8*u times their lengths, and of the
-  // normal's square, as that is at most half as long as they are, 9*u times their squares.
-  const Lanes<Real> abac = dot(ab, ac);
-  const LaneVector<Real> normal = cross(ab, ac);
-  const Lanes<Real> squared_normal = dot(normal, normal);
-  const Lanes<Real> edges = abab + acac;
-  const Lanes<Real> reach = Lanes<Real>::all(farthest);
-  const Lanes<Real> doubt = Lanes<Real>::all(8 * kRoundoff<Real>) * edges;
-  const Lanes<Real> weight_doubt = doubt * (reach * reach + edges);
-  const Lanes<Real> s = abac * aac - acac * aab;  // weights of b and c, times squared_normal
-  const Lanes<Real> t = abac * aab - abab * aac;
-  const Lanes<Real> none{};
-  const Lanes<Real> least_weight = smaller(smaller(s, t), squared_normal - (s + t));
-  const Lanes<Real> height = magnitudeOf(dot(a, normal));
-  const Lanes<Real> height_doubt = doubt * reach;
-  const Lanes<Real> square_doubt = Lanes<Real>::all(9 * kRoundoff<Real>) * edges * edges;
-  const Lanes<Real> low = larger(height - height_doubt, none);
-  const Lanes<Real> high = height + height_doubt;
-  // The quotients first: squares of heights underflow.
-  const Lanes<Real> to_plane = larger(low / (squared_normal + square_doubt) * low, none);
-  const Lanes<Real> perhaps_to_plane = high / (squared_normal - square_doubt) * high;
-  const Truth<Real> perhaps_inside = none <= least_weight + weight_doubt;
-  const Truth<Real> surely_inside =
-      (weight_doubt <= least_weight) & (Lanes<Real>::all(4) * square_doubt <= squared_normal);
-  return {select(perhaps_inside, smaller(to_plane, to_edges), to_edges),
-          select(surely_inside, smaller(perhaps_to_plane, to_edges), to_edges)};
+/// Of the squares of distances.
+template <class Real>
+constexpr Real kRangeRounding = 64 * kRoundoff<Real>;
+
+/// Of distances, besides: to the triangles of a packet.
+inline float roundingOf(const TrianglePacket& packet) {
+  return 64 * kRoundoff<float> * packet.radius + kTiny;
 }
 
-/// About the shortest ways from a point to the triangles of a packet, of which it is told how far
-/// they are.
+/// Of eight triangles the points that are nearest to a point, in their frames.
 template <class Real>
-[[gnu::always_inline]] inline Ways<Real> waysTo(const TrianglePacket& packet,
-                                                const Vector<Real>& point,
-                                                const Lanes<Real>& squared_low) {
-  const auto [corner, ab, ac] = trianglesOf<Real>(packet);
-  const LaneVector<Real> a = corner - everywhere(point);
-  const LaneVector<Real> bc = ac - ab;
-  const LaneVector<Real> b = a + ab;
-  Shortest<Real> to_edges(nearestOfSegment(a, ab, dot(a, ab), dot(ab, ab)));
-  to_edges.consider(nearestOfSegment(a, ac, dot(a, ac), dot(ac, ac)));
-  to_edges.consider(nearestOfSegment(b, bc, dot(b, bc), dot(bc, bc)));
-  const LaneVector<Real> normal = cross(ab, ac);
-  const LaneVector<Real> to_plane = dot(a, normal) / dot(normal, normal) * normal;
-  const LaneVector<Real> ways = select(to_edges.squared <= squared_low, to_edges.offset, to_plane);
+struct NearestInFrames {
+  LaneFrames<Real> frames;
+  Lanes<Real> x, y;      ///< where the point is: along and up, from the foot
+  LaneVector<Real> way;  ///< from the point to the nearest: along, up, and along the normal
+  Lanes<Real> squared;   ///< how long that is
+
+  SquaredRange<Real> range() const {
+    return {Lanes<Real>::all(1 - kRangeRounding<Real>) * squared,
+            Lanes<Real>::all(1 + kRangeRounding<Real>) * squared};
+  }
+
+  /// Planes square to the ways, which keep the triangles from the point.
+  Planes<Real> planes() const {
+    const Lanes<Real> none{};
+    const Lanes<Real> to_nearest_corner = smaller(
+        smaller(none - way.x * frames.before, way.x * frames.beyond), way.y * frames.height);
+    const Lanes<Real> gap = to_nearest_corner - (way.x * x + way.y * y - way.z * way.z) -
+                            Lanes<Real>::all(kRangeRounding<Real>) * squared;
+    const Lanes<Real> inverse = Lanes<Real>::all(1) / root(squared);
+    const LaneVector<Real> direction = (none - inverse) * way;
+    return {direction.x * frames.along + direction.y * frames.up + direction.z * frames.normal(),
+            select(Lanes<Real>::all(Real{kShortestSquare}) <= squared, inverse * gap, none)};
+  }
+};
+
+/// On both sides of the foot a triangle has a right angle there. Of the two it is the one on the
+/// point's side that is nearest to it: the same for both, as if they lay beyond the foot.
+template <class Real>
+[[gnu::always_inline]] inline NearestInFrames<Real> nearestInFrames(LaneFrames<Real> frames,
+                                                                    const Vector<Real>& point) {
+  const Lanes<Real> none{};
+  const Lanes<Real> one = Lanes<Real>::all(1);
+  if constexpr (kRoundoff<Real> < kRoundoff<float>) {  // as they are known in single precision
+    frames.along = one / root(dot(frames.along, frames.along)) * frames.along;
+    frames.up = frames.up - dot(frames.up, frames.along) * frames.along;
+    frames.up = one / root(dot(frames.up, frames.up)) * frames.up;
+  }
+  const LaneVector<Real> offset = everywhere(point) - frames.centroid;
+  const Lanes<Real> x = dot(offset, frames.along) + frames.xOfCentroid();
+  const Lanes<Real> y = dot(offset, frames.up) + frames.yOfCentroid();
+  const Lanes<Real> z = dot(offset, frames.normal());
+  const Truth<Real> is_before = x <= none;
+  const Lanes<Real> width = select(is_before, frames.before, frames.beyond);
+  const Lanes<Real>& height = frames.height;
+  const Lanes<Real> beside = magnitudeOf(x) - width;  // of the end of the base
+  const Lanes<Real> part =                            // of the slope, from there
+      smaller(larger((y * height - beside * width) / (width * width + height * height), none), one);
+  const Truth<Real> is_over_slope = (none <= y) & (none <= beside * height + y * width);
   const Lanes<Real> along =
-      dot(ways, a) + smaller(smaller(dot(ways, ab), dot(ways, ac)), Lanes<Real>{});
-  return {ways, distanceOfGap(along, dot(ways, ways))};
+      select(is_over_slope, beside + part * width, select(y <= none, larger(beside, none), none));
+  const Lanes<Real> up = select(is_over_slope, y - part * height, smaller(y, none));
+  return {frames,
+          x,
+          y,
+          {select(is_before, along, none - along), none - up, none - z},
+          along * along + up * up + z * z};
 }
 
 }  // namespace

@@ -200,15 +200,15 @@ class PairWalk {
   const LaneTriangles<Real>& turned(const TrianglePacket& packet) {
     if (&packet == turned_packet_) return turned_;
     turned_packet_ = &packet;
-    const auto turn = [this](const LanePoints& points) {
-      const LaneVector<Real> v = load<Real>(points);
+    const auto turn = [this](const LaneVector<Real>& v) {
       const auto row = [&](int i) {
         const auto& linear = search_.second_from_first.linear[i];
         return dot(everywhere(vectorOf<Real>(linear)), v);
       };
       return LaneVector<Real>{row(0), row(1), row(2)};
     };
-    turned_ = {turn(packet.corner), turn(packet.edge1), turn(packet.edge2)};
+    LaneTriangles<Real> triangles = trianglesOf<Real>(packet);
+    turned_ = {turn(triangles.a), turn(triangles.ab), turn(triangles.ac)};
     return turned_;
   }
 

@@ -113,24 +113,24 @@ class WalkingTip {
     return rootOf(leastOf(dot(way, way))) * (1 + Real{kAxesShorter});
   }
 
-  /// A packet's triangles: between which distances they are, but for `rounding`; and, where `ways`
-  /// are asked for, which ways keep them apart.
+  /// A packet's triangles: between which distances they are, but for `rounding`; and, where they
+  /// are asked for, which planes keep them apart.
   [[gnu::always_inline]] SquaredRange<Real> rangeOf(const TrianglePacket& packet, Real& rounding,
-                                                    Ways<Real>* ways = nullptr) const {
-    Vector<Real> low, high;
-    const Real farthest = boxIn(
-        packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
-    rounding = roundingOf(farthest, packet.radius) + rounding_of_corners_ + Real{kPlaceRounding};
+                                                    Planes<Real>* planes = nullptr) const {
     if constexpr (kIsPoint) {
-      const auto range = squaredDistanceOfPoint(packet, low, farthest + 2 * Real{packet.radius});
-      if (ways != nullptr) *ways = waysTo(packet, low, range.low);
-      return range;
+      rounding = withPlaces(Real{roundingOf(packet)});
+      const auto nearest = nearestInFrames(framesOf<Real>(packet), corners_[0]);
+      if (planes != nullptr) *planes = nearest.planes();
+      return nearest.range();
     } else {
+      Vector<Real> low, high;
+      rounding = withPlaces(roundingOf(boxIn(packet, low, high), packet.radius));
       Vector<Real> tip[kCorners];
       for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(corners_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
       rounding = rounding + rounding;
-      if (ways != nullptr) *ways = {gap.way, gap.low};
+      if (planes != nullptr)
+        *planes = {Lanes<Real>::all(-1) / root(dot(gap.way, gap.way)) * gap.way, gap.low};
       return {gap.low * gap.low, gap.high * gap.high};
     }
   }
@@ -140,9 +140,9 @@ class WalkingTip {
     LaneVector<Real> low, high;
     boxTriangles(packet, low, high);
     Vector<Real> tip_low, tip_high;
-    boxIn(
-        packet.origin, [](const Vector<Real>& v) { return v; }, tip_low, tip_high);
-    return squaredDistanceOf(low, high, tip_low, tip_high);
+    boxIn(packet, tip_low, tip_high);
+    return Lanes<Real>::all(1 - kRangeRounding<Real>) *
+           squaredDistanceOf(low, high, tip_low, tip_high);
   }
 
  private:
@@ -151,7 +151,7 @@ class WalkingTip {
   /// Boxes are turned by axes that are shorter than 1, by less.
   static constexpr float kAxesShorter = 0x1p-18F;
 
-  /// The box of the tip in a node's or packet's coordinates; how far it is from the origin.
+  /// The box of the tip in a node's coordinates; how far it is from the origin.
   template <class Turn>
   Real boxIn(const std::array<float, 3>& origin, const Turn& turn, Vector<Real>& low,
              Vector<Real>& high) const {
@@ -170,6 +170,17 @@ class WalkingTip {
       }
     }
     return farthest;
+  }
+
+  /// The same in a packet's, without a turn.
+  Real boxIn(const TrianglePacket& packet, Vector<Real>& low, Vector<Real>& high) const {
+    return boxIn(
+        packet.origin, [](const Vector<Real>& v) { return v; }, low, high);
+  }
+
+  /// Vertices, centroids and the tip are rounded where they are, too.
+  Real withPlaces(Real rounding) const {
+    return rounding + rounding_of_corners_ + Real{2 * kPlaceRounding};
   }
 
   Vector<Real> corners_[kCorners];

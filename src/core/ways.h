@@ -44,6 +44,13 @@ struct Ways {
   Lanes<Real> gap;
 };
 
+/// Planes that keep bodies from a tip: unit vectors towards the tip, and how far they are from it.
+template <class Real>
+struct Planes {
+  LaneVector<Real> direction;
+  Lanes<Real> gap;
+};
+
 /// A gap along a direction that is `length` long times that length, as a distance.
 template <class Real>
 inline Lanes<Real> distanceOfGap(const Lanes<Real>& gap, const Lanes<Real>& squared_length) {

@@ -85,14 +85,27 @@ Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
+/// The same corners, in an order that turns as theirs does.
+Corners longestEdgeFirst(const Corners& corners, const Triangle& triangle) {
+  const double ab = (triangle.b - triangle.a).squaredNorm();
+  const double bc = (triangle.c - triangle.b).squaredNorm();
+  const double ca = (triangle.a - triangle.c).squaredNorm();
+  const auto& [a, b, c] = corners;
+  if (ab >= bc && ab >= ca) return corners;
+  return bc >= ca ? Corners{b, c, a} : Corners{c, a, b};
+}
+
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
     : frame_(frame), corners_(mesh.triangleCount()), slots_(mesh.triangleCount()) {
   Collapse::Centroids centroids(mesh.triangleCount());
+  HugePageVector<Corners> longest_edges_first(mesh.triangleCount());
   forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
     corners_[leaf] = mesh.corners(tree.triangle(static_cast<Leaf>(leaf)));
-    centroids[leaf] = frame(centroid(mesh.triangle(corners_[leaf])));
+    const Triangle triangle = mesh.triangle(corners_[leaf]);
+    centroids[leaf] = frame(centroid(triangle));
+    longest_edges_first[leaf] = longestEdgeFirst(corners_[leaf], triangle);
   });
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
@@ -126,7 +139,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     poles_[self] = placesOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
                                              guide_.nodes[self], guide_.packets.data()));
   });
-  lists_ = listVertices(layout, corners_);
+  lists_ = listVertices(layout, longest_edges_first);
   listParts();
   tallies_.resize(nodes_.size());
   touched_.resize(2 * nodes_.size());
@@ -138,7 +151,7 @@ Poles WideTree::placesOf(const FarthestPairTree& tree, const Poles& leaves) cons
   Poles places;
   for (std::size_t pole = 0; pole < leaves.size(); ++pole)
     for (std::size_t split = 0; split < kLaneCount; ++split)
-      places[pole][split] = placeOfCentroid(slots_[index(tree.triangle(leaves[pole][split]))]);
+      places[pole][split] = slots_[index(tree.triangle(leaves[pole][split]))];
   return places;
 }
 
@@ -291,8 +304,8 @@ void WideTree::refit(const TriangleMesh& mesh, const std::vector<TriangleId>& to
 }
 
 PlainTree WideTree::plain() {
-  return {nodes_.data(),         guide_.nodes.data(), poles_.data(), packets_.data(),
-          guide_.packets.data(), tallies_.data(),     parts_.data(), first_parts_.data()};
+  return {nodes_.data(),   guide_.nodes.data(), poles_.data(),      packets_.data(),
+          tallies_.data(), parts_.data(),       first_parts_.data()};
 }
 
 /// Fills the packets of some nodes of one level; returns what their triangles add to the health.

@@ -94,10 +94,10 @@ class Kept {
     for (std::uint32_t lane = node.node_count; lane < node.lane_count; ++lane) {
       const TrianglePacket& packet = tree.packets()[setIn(node, lane) & ~kPacketBit];
       float rounding = 0;
-      Ways<float> ways;
-      tip.rangeOf(packet, rounding, &ways);
+      Planes<float> planes;
+      tip.rangeOf(packet, rounding, &planes);
       KeptSets triangles;
-      keeper.keepTriangles(ways, 2 * rounding, lanesInUse<float>(packet), triangles);
+      keeper.keepTriangles(planes, 2 * rounding, lanesInUse<float>(packet), triangles);
       for (std::uint32_t i = 0; i < packet.lane_count; ++i) {
         const double bound = keeper.boundsOf(triangles)[i];
         most_below = std::max(most_below, distance(then, triangle(packet, i)) - bound);

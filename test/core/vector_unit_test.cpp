@@ -34,8 +34,9 @@ auto contents(const WideNode& node) {
 }
 
 auto contents(const TrianglePacket& packet) {
-  return std::tie(packet.corner, packet.edge1, packet.edge2, packet.origin, packet.radius,
-                  packet.first_leaf, packet.lane_count, packet.parent);
+  return std::tie(packet.origin, packet.radius, packet.first_leaf, packet.lane_count, packet.parent,
+                  packet.centroid, packet.along, packet.up, packet.before, packet.beyond,
+                  packet.height);
 }
 
 auto contents(const NodeSplits& splits) {
@@ -44,7 +45,7 @@ auto contents(const NodeSplits& splits) {
 }
 
 auto contents(const PacketSplits& splits) {
-  return std::tie(splits.centroids, splits.paths.above, splits.paths.firsts, splits.poles);
+  return std::tie(splits.paths.above, splits.paths.firsts, splits.poles);
 }
 
 auto contents(const NearestTriangle& nearest) {

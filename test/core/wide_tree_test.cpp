@@ -123,10 +123,13 @@ TEST(WideTree, LanesThatAreNotInUseRepeatOthers) {
       }
     }
     for (const TrianglePacket& packet : organ.wideTree().packets()) {
-      for (std::uint32_t lane = packet.lane_count; lane < kLaneCount; ++lane)
-        for (const LanePoints* points : {&packet.corner, &packet.edge1, &packet.edge2})
+      for (std::uint32_t lane = packet.lane_count; lane < kLaneCount; ++lane) {
+        for (const LanePoints* points : {&packet.centroid, &packet.along, &packet.up})
           for (const LaneFloats& coordinates : *points)
             EXPECT_EQ(coordinates[lane], coordinates[0]);
+        for (const LaneFloats* lengths : {&packet.before, &packet.beyond, &packet.height})
+          EXPECT_EQ((*lengths)[lane], lengths->front());
+      }
     }
   }
 }

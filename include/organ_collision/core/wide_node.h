@@ -20,14 +20,19 @@ struct alignas(64) WideNode {
   std::uint8_t node_count, lane_count;       ///< sets that are nodes; all sets
 };
 
-/// Up to eight triangles, neighbours in the order of the leaves.
-struct alignas(64) TrianglePacket {
-  LanePoints corner, edge1, edge2;  ///< a, b - a, c - a; the corner relative to the origin
-  std::array<float, 3> origin;      ///< in the unit frame
-  float radius;                     ///< all corners are so near to the origin
+/// Up to eight triangles, neighbours in the order of the leaves. Each has a frame of its own: along
+/// an edge, the base, and up from a foot on it to the corner above that. The base is its longest
+/// edge or, after it was deformed, another with such a foot.
+struct alignas(32) TrianglePacket {
+  std::array<float, 3> origin;  ///< in the unit frame
+  float radius;                 ///< all corners are so near to the origin
   std::uint32_t first_leaf;
   std::uint32_t lane_count;
-  std::uint32_t parent;  ///< node
+  std::uint32_t parent;             ///< node
+  alignas(32) LanePoints centroid;  ///< in the unit frame
+  LanePoints along, up;             ///< unit vectors, square to each other
+  LaneFloats before, beyond;        ///< how far from the foot the base starts, and ends; above 0
+  LaneFloats height;                ///< of the corner above the foot; above 0
 };
 
 /// Tells the numbers of packets, and slots, from those of nodes. A slot is a packet's number * 8 +
@@ -56,20 +61,12 @@ struct alignas(64) NodeSplits {
 
 /// The splits within a packet, of all sets that it holds, down to its lanes.
 struct PacketSplits {
-  LanePoints centroids;  ///< in the unit frame
   SplitPaths paths;
   std::array<std::uint32_t, 2> poles;  ///< lanes of the first ones, of the others; three bits each
 };
 
-/// Where the centroid of a slot is, in numbers from where those of the first packet are: x; y and
-/// z follow, kLaneCount apart. Fits, be there as many packets as a mesh may have triangles.
-constexpr std::uint32_t placeOfCentroid(std::uint32_t slot) {
-  return slot / kLaneCount * std::uint32_t{sizeof(PacketSplits) / sizeof(float)} +
-         slot % kLaneCount;
-}
-
-/// The poles of up to eight splits, as leaves or by the places of their centroids: those that come
-/// first, and the others.
+/// The poles of up to eight splits, as leaves or by their slots: those that come first, and the
+/// others.
 using Poles = std::array<std::array<std::uint32_t, kLaneCount>, 2>;
 
 /// Lanes of a node that boxes of one above are drawn around.
