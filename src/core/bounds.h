@@ -11,13 +11,14 @@
 // by 24*v*r; a point of an edge is found, along it, to 3*u*(d + r) + 8*u*r, and its distance to
 // 3*u*(d + 4*r). Together below 16*u*d + 64*(u + v)*r, which every bound gives away; that also
 // covers the 4*u*extent of the exact measurement, and the u*d by which the tip is rounded itself.
-// Boxes of nodes are widened by what concerns r (enclose.h): there 16*u*d is enough, 4*r being a
-// part of d.
-// Products of four edges, or of two and the square of the tip's distance, underflow in single
-// precision where edges are shorter than 2^-29 or edge times distance is below 2^-63; a point may
-// then be taken to lie beside a face, which is wrong by less than the edge, or the face's normal be
-// off by a third, which is wrong by less than 2^-27 (a normal that is not lost has edges of 2^-38
-// or more). Together below kTiny, which is given away too.
+// Boxes of nodes are widened by what concerns r (node_boxes.h): there 16*u*d is enough, 4*r being a
+// part of d. What is told of points and the triangles of packets is in packet_range.h.
+// No length of a packet's triangle is below 2^-29 (fill.h), for which corners move by less than
+// 2^-28. With a tip's edges, products of four edges, or of two and the square of a distance,
+// underflow in single precision where edges are shorter than 2^-29 or edge times distance is below
+// 2^-63; a point may then be taken to lie beside a face, which is wrong by less than the edge, or
+// the face's normal be off by a third, which is wrong by less than 2^-27 (a normal that is not lost
+// has edges of 2^-38 or more). Together below kTiny, which is given away too.
 namespace organ_collision::core {
 namespace {
 

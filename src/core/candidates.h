@@ -38,6 +38,12 @@ class Candidates {
   Real notFarther() const {
     return (rootOf(leastOf(not_farther_)) + rounding_) * (1 + 4 * kRoundoff<Real>);
   }
+  /// The square of that and `more`, or a little above: no root is waited for.
+  Real squareOfNotFarther(Real more) const {
+    constexpr Real kPart{0x1p-12};  // (a + b)^2 <= (1 + x) * a^2 + (1 + 1 / x) * b^2
+    const Real rounding = rounding_ + more;
+    return (1 + 2 * kPart) * leastOf(not_farther_) + 2 / kPart * rounding * rounding;
+  }
   /// The one that this is owed to. REQUIRES: there is one.
   std::uint32_t nearestLeaf() const {
     const Truth<Real> is_nearest = not_farther_ <= Lanes<Real>::all(leastOf(not_farther_));

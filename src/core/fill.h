@@ -64,8 +64,9 @@ struct LaneTally {
   NodeTally sum() const { return {sumOf(volume), sumOf(squared_edges), flat}; }
 };
 
-/// In frames nothing is shorter, as squares are not to underflow: it is below kTiny.
-constexpr float kShortest = 0x1p-28F;
+/// In frames nothing is shorter, as squares are not to underflow: that moves corners by less than
+/// 2^-28, a part of kTiny.
+constexpr float kShortest = 0x1p-29F;
 /// A frame is taken in single precision where, from the base, no length is a smaller part of it:
 /// otherwise what rounding makes of the normal could be seen in the axes' lengths.
 constexpr float kSmallestPart = 0x1p-11F;
@@ -133,7 +134,8 @@ inline Vector<double> squareTo(const Vector<double>& v) {
   height.store(packet.height.data());
   const Lanes<float> least =
       larger(Lanes<float>::all(kSmallestPart) * length, Lanes<float>::all(kShortest));
-  const Truth<float> is_placed = least <= smaller(smaller(before, beyond), height);
+  // All of them: what is not a number is not either.
+  const Truth<float> is_placed = (least <= before) & (least <= beyond) & (least <= height);
   for (std::uint32_t rest = (!is_placed).bits(); rest != 0; rest &= rest - 1) {  // seldom
     const std::uint32_t lane = lowestBit(rest);
     const auto corner = [lane](const LaneVector<float>& v) {

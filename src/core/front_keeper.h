@@ -11,7 +11,7 @@
 // that one of them says. Whatever the direction, that is a lower bound.
 //
 // Rounding, as parts of u: the shift of a corner is off by 1 of its length, its product with a
-// direction by 7, the direction's length by 12, the sums with bound and drift by 1 of each; now,
+// direction by 7, the direction's length by 16, the sums with bound and drift by 1 of each; now,
 // and when the bound was taken.
 namespace organ_collision::core {
 namespace {

@@ -80,6 +80,7 @@ class NearestSoFar {
     if (!(static_cast<double>(not_farther) < search_.best)) return;
     search_.best = not_farther;
     look(not_farther);
+    if constexpr (kExact) squared_reach_ = candidates_.squareOfNotFarther(tip_.boxRounding());
     promised_ = true;
     promised_leaf_ = candidates_.nearestLeaf();
     if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);

@@ -33,14 +33,15 @@ struct SquaredRange {
 };
 
 // Rounding, in the terms of bounds.h, for points. Of a triangle of size s <= r corners are off by
-// 20*v*s (fill.h). Let d be how far the point is from the centroid: at most its distance and 2/3*s
-// more. Its coordinates are off by 17*u*d, the axes being unit vectors but for 3*u and square but
-// for 5*u; what is nearest in the plane by 14*u*d + 10*u*s. So distances are off by 32*u of
-// themselves, and by 22*u*s + 10*u*s + 20*v*s, below 64*v*r.
+// 12*v*s (fill.h). Let d be how far the point is from the centroid: at most its distance and 2/3*s
+// more. Its coordinates are off by 24*u*d, the axes being unit vectors but for 6*u and square but
+// for 3*u; what is nearest in the plane by 14*u*d + 10*u*s. So distances are off by 38*u of
+// themselves, and by 26*u*s + 10*u*s + 12*v*s. The exact measurement is, by 4*u of both. Together
+// below 48*u of the distance and 64*v*r.
 
 /// Of the squares of distances.
 template <class Real>
-constexpr Real kRangeRounding = 64 * kRoundoff<Real>;
+constexpr Real kRangeRounding = 96 * kRoundoff<Real>;
 
 /// Of distances, besides: to the triangles of a packet.
 inline float roundingOf(const TrianglePacket& packet) {
@@ -60,7 +61,7 @@ struct NearestInFrames {
             Lanes<Real>::all(1 + kRangeRounding<Real>) * squared};
   }
 
-  /// Planes square to the ways, which keep the triangles from the point.
+  /// Planes square to the ways, which keep the triangles from the point; where none does, no gap.
   Planes<Real> planes() const {
     const Lanes<Real> none{};
     const Lanes<Real> to_nearest_corner = smaller(
@@ -87,8 +88,11 @@ template <class Real>
     frames.up = one / root(dot(frames.up, frames.up)) * frames.up;
   }
   const LaneVector<Real> offset = everywhere(point) - frames.centroid;
-  const Lanes<Real> x = dot(offset, frames.along) + frames.xOfCentroid();
-  const Lanes<Real> y = dot(offset, frames.up) + frames.yOfCentroid();
+  const auto sum = [&offset](const Lanes<Real>& start, const LaneVector<Real>& axis) {
+    return (start + offset.x * axis.x) + (offset.y * axis.y + offset.z * axis.z);
+  };
+  const Lanes<Real> x = sum(frames.xOfCentroid(), frames.along);
+  const Lanes<Real> y = sum(frames.yOfCentroid(), frames.up);
   const Lanes<Real> z = dot(offset, frames.normal());
   const Truth<Real> is_before = x <= none;
   const Lanes<Real> width = select(is_before, frames.before, frames.beyond);

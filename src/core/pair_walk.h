@@ -12,7 +12,7 @@
 //
 // Rounding, in the terms of bounds.h, t being how far the origins are apart and r the sum of
 // both radii: what is in a box turns back from the axes of its node but for 2^-20*r, is stored to
-// 4*v*r, and moves to the other's axes by three products and sums, off by 4*u*(t + 2*r). Gaps are
+// 24*v*r, and moves to the other's axes by three products and sums, off by 4*u*(t + 2*r). Gaps are
 // off by 16*u*(t + 2*r) more, those of triangles as gap.h says. Together below 64*u*t + 2^-15*r.
 namespace organ_collision::core {
 namespace {
@@ -243,7 +243,7 @@ class PairWalk {
     ours.a = ours.a + everywhere(offset);
     const LaneTriangles<Real> theirs = trianglesOf<Real>(second);
     const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset)) +
-                          static_cast<Real>(kPlaceRounding * (search_.largest_scale + 1));
+                          static_cast<Real>(2 * kPlaceRounding * (search_.largest_scale + 1));
     const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
     // Lanes that are not in use repeat others.

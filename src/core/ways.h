@@ -44,7 +44,8 @@ struct Ways {
   Lanes<Real> gap;
 };
 
-/// Planes that keep bodies from a tip: unit vectors towards the tip, and how far they are from it.
+/// Planes that keep bodies from a tip: unit vectors towards the tip, and how far they are from it;
+/// the vectors mean nothing unless that is above 0.
 template <class Real>
 struct Planes {
   LaneVector<Real> direction;

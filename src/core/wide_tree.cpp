@@ -136,8 +136,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
     parents_[self] = parent;
     guide_.sets[self] = set;
-    poles_[self] = placesOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
-                                             guide_.nodes[self], guide_.packets.data()));
+    poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
+                                            guide_.nodes[self], guide_.packets.data()));
   });
   lists_ = listVertices(layout, longest_edges_first);
   listParts();
@@ -147,12 +147,12 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }
 
 /// REQUIRES: all leaves are listed.
-Poles WideTree::placesOf(const FarthestPairTree& tree, const Poles& leaves) const {
-  Poles places;
+Poles WideTree::slotsOf(const FarthestPairTree& tree, const Poles& leaves) const {
+  Poles slots;
   for (std::size_t pole = 0; pole < leaves.size(); ++pole)
     for (std::size_t split = 0; split < kLaneCount; ++split)
-      places[pole][split] = slots_[index(tree.triangle(leaves[pole][split]))];
-  return places;
+      slots[pole][split] = slots_[index(tree.triangle(leaves[pole][split]))];
+  return slots;
 }
 
 /// A node's box is drawn around those kLevels below it, and around packets' on the way there.

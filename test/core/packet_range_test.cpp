@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <utility>
 
 #include "core/fill.h"
 #include "organ_collision/core/closest_point.h"
@@ -51,10 +52,11 @@ Triangles randomTriangles(std::mt19937& generator, double thinness, double most_
   for (Triangle& triangle : triangles) {
     const double size = std::pow(10.0, -1.0 - digits(generator));
     const Eigen::Vector3d edge = test::randomPoint(generator, size);
-    const Eigen::Vector3d a = test::randomPoint(generator, 0.1);
+    const Eigen::Vector3d a = test::randomPoint(generator, generator() % 2 == 0 ? 0.1 : size);
     triangle = {
         rounded(a), rounded(a + edge),
         rounded(a + along(generator) * edge + test::randomPoint(generator, thinness * size))};
+    if (generator() % 4 == 0) triangle.c = rounded(test::randomPoint(generator, 1.0));  // tall
     if (generator() % 2 == 0) std::swap(triangle.a, triangle.c);
   }
   return triangles;

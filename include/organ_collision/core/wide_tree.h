@@ -91,7 +91,7 @@ class WideTree {
   Range nodesOn(std::size_t level) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
-  Poles placesOf(const FarthestPairTree& tree, const Poles& leaves) const;
+  Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);
@@ -118,7 +118,7 @@ class WideTree {
   std::vector<std::uint32_t> first_parts_;  // of each node and, one more, their end
   std::vector<std::uint32_t> parents_;      // of the nodes
   HugePageVector<std::uint32_t> slots_;     // of each triangle: its packet * 8 + its lane
-  std::vector<Poles> poles_;                // of the nodes' splits, by their centroids' places
+  std::vector<Poles> poles_;                // of the nodes' splits, by their slots
   std::vector<std::uint32_t> levels_;       // the first node of each
 };
 
