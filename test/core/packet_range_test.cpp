@@ -91,7 +91,7 @@ double mostOff(const Triangles& triangles, const Eigen::Vector3d& place) {
     EXPECT_GE(std::sqrt(static_cast<double>(high[lane])) + rounding, distance) << lane;
     EXPECT_LE(static_cast<double>(gap[lane]) - 2 * rounding, distance) << lane;
     const double off = std::abs(std::sqrt(static_cast<double>(nearest.squared[lane])) - distance);
-    most = std::max(most, off / (rounding + 32 * double{kRoundoff<Real>} * distance));
+    most = std::max(most, off / (rounding + 0.5 * double{kRangeRounding<Real>} * distance));
   }
   return most;
 }
