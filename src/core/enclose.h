@@ -8,65 +8,65 @@ namespace organ_collision::core {
 namespace {
 
 /// Of a node's boxes from a lane on, seen from another node.
-inline LaneBox boxOfLanes(const WideNode& node, std::uint32_t first_lane,
+inline Reach reachOfLanes(const WideNode& node, std::uint32_t first_lane,
                           const Vector<float>& offset, const Turn& turn) {
   const LaneVector<float> low = load<float>(node.low);
   const LaneVector<float> high = load<float>(node.high);
   const Lanes<float> half = Lanes<float>::all(0.5F);
   const LaneVector<float> middle = everywhere(offset) + turn(half * (low + high));
-  const LaneVector<float> reach = turn.magnitudes()(half * (high - low));
-  if (first_lane == 0) return {middle - reach, middle + reach};
+  const LaneVector<float> size = turn.magnitudes()(half * (high - low));
+  const LaneVector<float> from = middle - size;
+  const LaneVector<float> to = middle + size;
+  if (first_lane == 0) return reachOf(from, to);
   const Truth<float> is_meant =
       Lanes<float>::all(static_cast<float>(first_lane)) <= Lanes<float>::numbers();
-  const Lanes<float> most = Lanes<float>::all(__builtin_huge_valf());
-  const Lanes<float> least = Lanes<float>::all(-__builtin_huge_valf());
-  return {{select(is_meant, middle.x - reach.x, most), select(is_meant, middle.y - reach.y, most),
-           select(is_meant, middle.z - reach.z, most)},
-          {select(is_meant, middle.x + reach.x, least), select(is_meant, middle.y + reach.y, least),
-           select(is_meant, middle.z + reach.z, least)}};
+  const LaneVector<float> least = {nowhere(), nowhere(), nowhere()};
+  return reachOf(select(is_meant, from, LaneVector<float>{} - least), select(is_meant, to, least));
 }
 
 inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& to) {
   return vectorOf<float>(to) - vectorOf<float>(from.origin);
 }
 
-/// Adds the corners of a node's packets to a box in another's orientation.
-inline void addCorners(const WideNode& node, const TrianglePacket* packets, const WideNode& target,
-                       LaneBox& box) {
+/// Of the corners of a node's packets, seen from another node.
+inline Reach reachOfCorners(const WideNode& node, const TrianglePacket* packets,
+                            const WideNode& target) {
   const std::uint32_t packet_count = node.lane_count - node.node_count;
+  Reach reach = nowhere();
   for (std::uint32_t i = 0; i < packet_count; ++i) {
     LaneTriangles<float> triangles = framesOf<float>(packets[node.first_packet + i]).triangles();
     triangles.a = triangles.a - everywhere(vectorOf<float>(target.origin));
-    box.add(boxOf(triangles, turnOf(target)));
+    reach = larger(reach, reachOf(triangles, turnOf(target.axes)));
   }
+  return reach;
 }
 
 /// The corners of all that is below one node, level by level: those of a level follow one another.
-inline LaneBox boxOfAllCorners(const PlainTree& tree, const WideNode& target, std::uint32_t top) {
-  LaneBox box = emptyLaneBox();
+inline Reach reachOfAllCorners(const PlainTree& tree, const WideNode& target, std::uint32_t top) {
+  Reach reach = nowhere();
   std::uint32_t begin = top;
   std::uint32_t end = top + 1;
   while (begin != end) {
     for (std::uint32_t i = begin; i < end; ++i)
-      addCorners(tree.nodes[i], tree.packets, target, box);
+      reach = larger(reach, reachOfCorners(tree.nodes[i], tree.packets, target));
     begin = tree.nodes[begin].first_node;
     end = tree.nodes[end - 1].first_node + tree.nodes[end - 1].node_count;
   }
-  return box;
+  return reach;
 }
 
 /// Adds the boxes that a node's are drawn around.
-inline void addBoxes(const PlainTree& tree, std::uint32_t self, SetBoxes& boxes) {
+inline void addBoxes(const PlainTree& tree, std::uint32_t self, SetReaches& reaches) {
   const WideNode& node = tree.nodes[self];
-  const Turn turn = turnOf(node);
+  const Turn turn = turnOf(node.axes);
   for (std::uint32_t i = tree.first_parts[self]; i < tree.first_parts[self + 1]; ++i) {
     const NodePart& part = tree.parts[i];
     const WideNode& source = tree.nodes[part.node];
     const Vector<float> offset = offsetOf(node, source.origin);
-    boxes.add(part.lane, boxOfLanes(source, part.first_lane,
-                                    {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
-                                    {vectorOf<float>(part.turn[0]), vectorOf<float>(part.turn[1]),
-                                     vectorOf<float>(part.turn[2])}));
+    reaches.add(part.lane,
+                reachOfLanes(source, part.first_lane,
+                             {dot(turn.x, offset), dot(turn.y, offset), dot(turn.z, offset)},
+                             turnOf(part.turn)));
   }
 }
 
@@ -76,13 +76,13 @@ inline void placeBoxes(const PlainTree& tree, std::uint32_t self, Fit fit) {
   WideNode& node = tree.nodes[self];
   if (node.node_count == 0) return;
   if (node.node_count == node.lane_count) node.origin = tree.nodes[node.first_node].origin;
-  SetBoxes boxes;
+  SetReaches reaches;
   for (std::uint32_t lane = 0; lane < node.node_count; ++lane)
-    boxes.set(lane, fit == Fit::kBoxes ? emptyLaneBox()
-                                       : boxOfAllCorners(tree, node, node.first_node + lane));
-  if (fit == Fit::kBoxes) addBoxes(tree, self, boxes);
-  storeBoxes(node, 0, node.node_count, boxes);
-  node.radius = radiusAround(load<float>(node.low), load<float>(node.high));
+    reaches.set(lane, fit == Fit::kBoxes ? nowhere()
+                                         : reachOfAllCorners(tree, node, node.first_node + lane));
+  if (fit == Fit::kBoxes) addBoxes(tree, self, reaches);
+  storeBoxes(node, 0, node.node_count, reaches);
+  node.radius = radiusAround(load<float>(node.high), LaneVector<float>{} - load<float>(node.low));
 }
 
 /// Eight centroids that are anywhere, by their slots.

@@ -46,12 +46,6 @@ inline void place(const PlainMesh& mesh, const VertexId* begin, const VertexId* 
 #endif
 }
 
-/// Of the ball around a packet's origin that holds its triangles, each with a corner and two edges
-/// from there of which `squares` are the sums: none is farther than the root of twice that.
-inline float radiusAround(const Lanes<float>& squares) {
-  return rootOf(2.0F * mostOf(squares)) * kRadiusRounding + kPlaceRounding;
-}
-
 /// What rounding makes of the square of a flat triangle's normal: this part of that of two edges.
 /// The edges are off by 2*kPlaceRounding and shorter than 8.
 constexpr float kFlat = 0x1p-36F;
@@ -79,9 +73,14 @@ inline Vector<double> squareTo(const Vector<double>& v) {
 }
 
 /// The frame of any triangle, also of one that is a point.
-[[gnu::cold]] inline void placeFrame(const Vector<double> (&corners)[3], std::uint32_t lane,
-                                     TrianglePacket& packet) {
+[[gnu::cold]] inline void placeFrame(const VertexPlaces& places, const PacketCorners& of_packet,
+                                     std::uint32_t lane, TrianglePacket& packet) {
   constexpr double kLeast{kShortest};
+  Vector<double> corners[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const VertexPlace& place = places[of_packet[i][lane] / sizeof(VertexPlace)];
+    corners[i] = {double{place.x}, double{place.y}, double{place.z}};
+  }
   std::size_t first = 0;  // of the longest edge
   Vector<double> base = corners[1] - corners[0];
   for (std::size_t i = 1; i < 3; ++i) {
@@ -116,9 +115,12 @@ inline Vector<double> squareTo(const Vector<double>& v) {
 /// The frames of triangles with these corners, mostly with the first edge as the base. Corners are
 /// off by 12*u of the triangle's size: by 3*u along the base, 7*u by where the foot is, 7*u by the
 /// height, as the axes are square to each other but for 3*u whatever rounding makes of the normal.
-[[gnu::always_inline]] inline void placeFrames(
-    const LaneVector<float>& a, const LaneVector<float>& ab, const LaneVector<float>& ac,
-    const LaneVector<float>& normal, const Lanes<float>& squared_normal, TrianglePacket& packet) {
+/// Returns, by bits, those that want placeFrame() instead: seldom one.
+[[gnu::always_inline]] inline std::uint32_t placeFrames(const LaneVector<float>& ab,
+                                                        const LaneVector<float>& ac,
+                                                        const LaneVector<float>& normal,
+                                                        const Lanes<float>& squared_normal,
+                                                        TrianglePacket& packet) {
   const Lanes<float> one = Lanes<float>::all(1);
   const Lanes<float> length = root(dot(ab, ab));
   const Lanes<float> inverse = one / length;
@@ -136,36 +138,30 @@ inline Vector<double> squareTo(const Vector<double>& v) {
       larger(Lanes<float>::all(kSmallestPart) * length, Lanes<float>::all(kShortest));
   // All of them: what is not a number is not either.
   const Truth<float> is_placed = (least <= before) & (least <= beyond) & (least <= height);
-  for (std::uint32_t rest = (!is_placed).bits(); rest != 0; rest &= rest - 1) {  // seldom
-    const std::uint32_t lane = lowestBit(rest);
-    const auto corner = [lane](const LaneVector<float>& v) {
-      return Vector<double>{v.x[lane], v.y[lane], v.z[lane]};
-    };
-    placeFrame({corner(a), corner(a) + corner(ab), corner(a) + corner(ac)}, lane, packet);
-  }
+  return (!is_placed).bits();
 }
 
-/// Returns the triangles, in the unit frame.
+/// All but the radius. Returns the triangles, in the unit frame.
 [[gnu::always_inline]] inline LaneTriangles<float> fillOne(const VertexPlaces& places,
                                                            const PacketCorners& corners,
                                                            TrianglePacket& packet,
                                                            LaneTally& tally) {
-  const LaneVector<float> a = gather(places.data(), corners[0]);
-  const LaneVector<float> b = gather(places.data(), corners[1]);
-  const LaneVector<float> c = gather(places.data(), corners[2]);
+  const LaneVector<float> a = gather(&places[0].x, corners[0]);
+  const LaneVector<float> b = gather(&places[0].x, corners[1]);
+  const LaneVector<float> c = gather(&places[0].x, corners[2]);
   const LaneVector<float> ab = b - a;
   const LaneVector<float> ac = c - a;
   store(a + Lanes<float>::all(1.0F / 3.0F) * (ab + ac), packet.centroid);
 
   const Vector<float> first = {a.x[0], a.y[0], a.z[0]};
   packet.origin = {first.x, first.y, first.z};
-  const LaneVector<float> corner = a - everywhere(first);
   const LaneVector<float> normal = cross(ab, ac);
   const Lanes<float> squared_normal = dot(normal, normal);
-  placeFrames(corner, ab, ac, normal, squared_normal, packet);
+  for (std::uint32_t rest = placeFrames(ab, ac, normal, squared_normal, packet); rest != 0;
+       rest &= rest - 1)
+    placeFrame(places, corners, lowestBit(rest), packet);
 
   const Lanes<float> squared_edges = dot(ab, ab) + dot(ac, ac);
-  packet.radius = radiusAround(dot(corner, corner) + squared_edges);
   const Truth<float> in_use = lanesInUse<float>(packet);
   const Truth<float> may_be_flat = squared_normal <= Lanes<float>::all(kFlat) * squared_edges;
   const Lanes<float> none{};
@@ -189,17 +185,19 @@ inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t beg
     const std::uint32_t packet_count = node.lane_count - node.node_count;
     const PacketCorners* const corners = mesh.corners + node.first_packet;
     TrianglePacket* const packets = tree.packets + node.first_packet;
-    const Turn turn = turnOf(node);
-    SetBoxes boxes;
+    const Turn turn = turnOf(node.axes);
+    SetReaches reaches;
     LaneTally tally;
     for (std::uint32_t i = 0; i < packet_count; ++i) {
-      __builtin_prefetch(&packets[i + kAhead].origin, 1);
+      __builtin_prefetch(packets + i + kAhead, 1);
       LaneTriangles<float> triangles = fillOne(places, corners[i], packets[i], tally);
       if (i == 0) node.origin = packets[i].origin;
       triangles.a = triangles.a - everywhere(vectorOf<float>(node.origin));
-      boxes.set(node.node_count + i, boxOf(triangles, turn));
+      const Reach reach = reachOf(triangles, turn);
+      packets[i].radius = radiusOf(reach);
+      reaches.set(node.node_count + i, reach);
     }
-    if (packet_count > 0) node.radius = storeBoxes(node, node.node_count, node.lane_count, boxes);
+    if (packet_count > 0) node.radius = storeBoxes(node, node.node_count, node.lane_count, reaches);
     tree.tallies[number] = tally.sum();
   }
 }

@@ -272,49 +272,42 @@ template <class Real>
 inline Real sumOf(const Lanes<Real>& lanes) {
   return fold(lanes, [](const auto& x, const auto& y) { return x + y; });
 }
-/// In lane i, all lanes of rows[i] joined as by fold().
-template <class Real, class Operation>
-inline Lanes<Real> foldEach(const Lanes<Real> (&rows)[kLanes], const Operation& operation) {
+/// In lane i, the largest of rows[i]. What crosses the middle of a vector is dear, and comes last.
+template <class Real>
+inline Lanes<Real> mostOfEach(const Lanes<Real> (&rows)[kLanes]) {
   static_assert(sizeof(Real) == sizeof(float));
+  constexpr Larger kLarger;
   Lanes<Real> result;
   if constexpr (Lanes<Real>::kParts == 1) {
-    typename Lanes<Real>::Numbers fours[4], twos[2];  // partial results of two rows, of four
+    typename Lanes<Real>::Numbers twos[4], fours[2];  // partial results of two rows, of four
     for (int i = 0; i < 4; ++i) {
-      const auto& a = rows[i].part[0];
-      const auto& b = rows[i + 4].part[0];
-      fours[i] = operation(__builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11),
-                           __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15));
+      const auto& a = rows[2 * i].part[0];
+      const auto& b = rows[2 * i + 1].part[0];
+      twos[i] = kLarger(__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
+                        __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15));
     }
     for (int i = 0; i < 2; ++i)
-      twos[i] =
-          operation(__builtin_shufflevector(fours[i], fours[i + 2], 0, 1, 8, 9, 4, 5, 12, 13),
-                    __builtin_shufflevector(fours[i], fours[i + 2], 2, 3, 10, 11, 6, 7, 14, 15));
+      fours[i] = kLarger(
+          __builtin_shufflevector(twos[2 * i], twos[2 * i + 1], 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(twos[2 * i], twos[2 * i + 1], 2, 3, 10, 11, 6, 7, 14, 15));
     result.part[0] =
-        operation(__builtin_shufflevector(twos[0], twos[1], 0, 8, 2, 10, 4, 12, 6, 14),
-                  __builtin_shufflevector(twos[0], twos[1], 1, 9, 3, 11, 5, 13, 7, 15));
+        kLarger(__builtin_shufflevector(fours[0], fours[1], 0, 1, 2, 3, 8, 9, 10, 11),
+                __builtin_shufflevector(fours[0], fours[1], 4, 5, 6, 7, 12, 13, 14, 15));
   } else {
     for (int half = 0; half < 2; ++half) {
-      typename Lanes<Real>::Numbers fours[4], twos[2];
+      typename Lanes<Real>::Numbers ones[4], twos[2];
       for (int i = 0; i < 4; ++i) {
         const auto& row = rows[4 * half + i];
-        fours[i] = operation(row.part[0], row.part[1]);
+        ones[i] = kLarger(row.part[0], row.part[1]);
       }
       for (int i = 0; i < 2; ++i)
-        twos[i] = operation(__builtin_shufflevector(fours[i], fours[i + 2], 0, 1, 4, 5),
-                            __builtin_shufflevector(fours[i], fours[i + 2], 2, 3, 6, 7));
-      result.part[half] = operation(__builtin_shufflevector(twos[0], twos[1], 0, 4, 2, 6),
-                                    __builtin_shufflevector(twos[0], twos[1], 1, 5, 3, 7));
+        twos[i] = kLarger(__builtin_shufflevector(ones[2 * i], ones[2 * i + 1], 0, 4, 1, 5),
+                          __builtin_shufflevector(ones[2 * i], ones[2 * i + 1], 2, 6, 3, 7));
+      result.part[half] = kLarger(__builtin_shufflevector(twos[0], twos[1], 0, 1, 4, 5),
+                                  __builtin_shufflevector(twos[0], twos[1], 2, 3, 6, 7));
     }
   }
   return result;
-}
-template <class Real>
-inline Lanes<Real> leastOfEach(const Lanes<Real> (&rows)[kLanes]) {
-  return foldEach(rows, Smaller{});
-}
-template <class Real>
-inline Lanes<Real> mostOfEach(const Lanes<Real> (&rows)[kLanes]) {
-  return foldEach(rows, Larger{});
 }
 
 /// In each lane what was in the one before; in lane 0 `first`.

@@ -14,22 +14,12 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-17F;
+/// Of the sum of a box' three sizes, as no node's radius is above 4.
+constexpr float kSizeRounding = 0x1p-14F;
 
-struct LaneBox {
-  LaneVector<float> low, high;
-
-  void add(const LaneBox& other) {
-    low = {smaller(low.x, other.low.x), smaller(low.y, other.low.y), smaller(low.z, other.low.z)};
-    high = {larger(high.x, other.high.x), larger(high.y, other.high.y),
-            larger(high.z, other.high.z)};
-  }
-};
-
-inline LaneBox emptyLaneBox() {
-  const LaneVector<float> infinite = everywhere(
-      Vector<float>{__builtin_huge_valf(), __builtin_huge_valf(), __builtin_huge_valf()});
-  return {infinite, LaneVector<float>{} - infinite};
-}
+/// How far something reaches from a node's origin: in lanes 0 to 2 along the node's axes, in 4 to 6
+/// against them, in the others nothing.
+using Reach = Lanes<float>;
 
 /// Rows of a rotation.
 struct Turn {
@@ -41,75 +31,82 @@ struct Turn {
   Turn magnitudes() const { return {magnitudesOf(x), magnitudesOf(y), magnitudesOf(z)}; }
 };
 
-inline Turn turnOf(const WideNode& node) {
-  return {vectorOf<float>(node.axes[0]), vectorOf<float>(node.axes[1]),
-          vectorOf<float>(node.axes[2])};
+inline Turn turnOf(const std::array<std::array<float, 3>, 3>& rows) {
+  return {vectorOf<float>(rows[0]), vectorOf<float>(rows[1]), vectorOf<float>(rows[2])};
 }
 
-/// Of all of the triangles.
-[[gnu::always_inline]] inline LaneBox boxOf(const LaneTriangles<float>& triangles,
+inline Reach nowhere() { return Reach::all(-kFloatInfinity); }
+
+/// Of what lies in eight boxes.
+inline Reach reachOf(const LaneVector<float>& low, const LaneVector<float>& high) {
+  const LaneVector<float> against = LaneVector<float>{} - low;
+  const Lanes<float> none{};
+  return mostOfEach<float>({high.x, high.y, high.z, none, against.x, against.y, against.z, none});
+}
+
+/// Of triangles' corners.
+[[gnu::always_inline]] inline Reach reachOf(const LaneTriangles<float>& triangles,
                                             const Turn& turn) {
   const LaneVector<float> a = turn(triangles.a);
   const LaneVector<float> b = turn(triangles.a + triangles.ab);
   const LaneVector<float> c = turn(triangles.a + triangles.ac);
-  return {{smaller(smaller(a.x, b.x), c.x), smaller(smaller(a.y, b.y), c.y),
-           smaller(smaller(a.z, b.z), c.z)},
-          {larger(larger(a.x, b.x), c.x), larger(larger(a.y, b.y), c.y),
-           larger(larger(a.z, b.z), c.z)}};
+  return reachOf(smaller(smaller(a, b), c), larger(larger(a, b), c));
 }
 
-/// The sets' boxes, lane by lane.
-struct SetBoxes {
-  Lanes<float> low[3][kLaneCount], high[3][kLaneCount];
+/// The sets' reaches.
+class SetReaches {
+ public:
+  void set(std::uint32_t lane, const Reach& reach) { reach.store(reaches_[lane].data()); }
+  void add(std::uint32_t lane, const Reach& reach) {
+    set(lane, larger(Reach::load(reaches_[lane].data()), reach));
+  }
 
-  void set(std::uint32_t lane, const LaneBox& box) {
-    low[0][lane] = box.low.x;
-    low[1][lane] = box.low.y;
-    low[2][lane] = box.low.z;
-    high[0][lane] = box.high.x;
-    high[1][lane] = box.high.y;
-    high[2][lane] = box.high.z;
+  /// Along the axes, of sets from one on, up to another: lanes before and after repeat the next.
+  LaneVector<float> along(std::uint32_t begin, std::uint32_t end) const {
+    return gather(reaches_[0].data(), offsetsOf(begin, end));
   }
-  void add(std::uint32_t lane, const LaneBox& box) {
-    low[0][lane] = smaller(low[0][lane], box.low.x);
-    low[1][lane] = smaller(low[1][lane], box.low.y);
-    low[2][lane] = smaller(low[2][lane], box.low.z);
-    high[0][lane] = larger(high[0][lane], box.high.x);
-    high[1][lane] = larger(high[1][lane], box.high.y);
-    high[2][lane] = larger(high[2][lane], box.high.z);
+  LaneVector<float> against(std::uint32_t begin, std::uint32_t end) const {
+    return gather(reaches_[0].data() + kLaneCount / 2, offsetsOf(begin, end));
   }
-  void repeat(std::uint32_t source, std::uint32_t lane) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis][lane] = low[axis][source];
-      high[axis][lane] = high[axis][source];
+
+ private:
+  /// Without a branch, which would depend on how many there are.
+  static std::array<std::uint16_t, kLaneCount> offsetsOf(std::uint32_t begin, std::uint32_t end) {
+    std::array<std::uint16_t, kLaneCount> offsets;
+    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
+      const std::uint32_t least = lane < begin ? begin : lane;
+      const std::uint32_t set = least < end ? least : end - 1;
+      offsets[lane] = static_cast<std::uint16_t>(set * sizeof(LaneFloats));
     }
+    return offsets;
   }
+
+  alignas(sizeof(LaneFloats)) std::array<LaneFloats, kLaneCount> reaches_;
 };
 
-/// Of the ball around a node's origin that holds its lanes' boxes.
-inline float radiusAround(const LaneVector<float>& low, const LaneVector<float>& high) {
-  const LaneVector<float> farthest = {larger(Lanes<float>{} - low.x, high.x),
-                                      larger(Lanes<float>{} - low.y, high.y),
-                                      larger(Lanes<float>{} - low.z, high.z)};
+/// Of a ball around any point of what reaches so far: the sum of its sizes along the axes.
+inline float radiusOf(const Reach& reach) { return sumOf(reach) + kSizeRounding; }
+
+/// Of the ball around a node's origin that holds what reaches so far.
+inline float radiusAround(const LaneVector<float>& along, const LaneVector<float>& against) {
+  const LaneVector<float> farthest = larger(along, against);
   return rootOf(mostOf(dot(farthest, farthest))) * kRadiusRounding + kPlaceRounding;
 }
 
 /// Takes over the boxes of some lanes of a node; after the last lane of all, they repeat that.
 /// Returns the radius around these.
-inline float storeBoxes(WideNode& node, std::uint32_t begin, std::uint32_t end, SetBoxes& boxes) {
-  for (std::uint32_t lane = 0; lane < begin; ++lane) boxes.repeat(begin, lane);
-  for (std::uint32_t lane = end; lane < kLaneCount; ++lane) boxes.repeat(end - 1, lane);
-  const LaneVector<float> low = {leastOfEach(boxes.low[0]), leastOfEach(boxes.low[1]),
-                                 leastOfEach(boxes.low[2])};
-  const LaneVector<float> high = {mostOfEach(boxes.high[0]), mostOfEach(boxes.high[1]),
-                                  mostOfEach(boxes.high[2])};
-  const float radius = radiusAround(low, high);
+inline float storeBoxes(WideNode& node, std::uint32_t begin, std::uint32_t end,
+                        const SetReaches& reaches) {
+  const LaneVector<float> along = reaches.along(begin, end);
+  const LaneVector<float> against = reaches.against(begin, end);
+  const float radius = radiusAround(along, against);
   const float rounding = kBoxRounding * radius + 2 * kPlaceRounding;
   const LaneVector<float> margin = everywhere(Vector<float>{rounding, rounding, rounding});
   const std::uint32_t last = end == node.lane_count ? kLaneCount : end;
   const Truth<float> is_meant = lanesOf(((1U << last) - 1) & ~((1U << begin) - 1));
-  store(select(is_meant, low - margin, load<float>(node.low)), node.low);
-  store(select(is_meant, high + margin, load<float>(node.high)), node.high);
+  const LaneVector<float> none{};
+  store(select(is_meant, none - against - margin, load<float>(node.low)), node.low);
+  store(select(is_meant, along + margin, load<float>(node.high)), node.high);
   return radius;
 }
 

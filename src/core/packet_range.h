@@ -15,14 +15,8 @@ inline void boxTriangles(const TrianglePacket& packet, LaneVector<Real>& low,
   const auto [a, ab, ac] = trianglesOf<Real>(packet);
   const LaneVector<Real> b = a + ab;
   const LaneVector<Real> c = a + ac;
-  const auto least = [](const auto& x, const auto& y, const auto& z) {
-    return smaller(smaller(x, y), z);
-  };
-  const auto most = [](const auto& x, const auto& y, const auto& z) {
-    return larger(larger(x, y), z);
-  };
-  low = {least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)};
-  high = {most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)};
+  low = smaller(smaller(a, b), c);
+  high = larger(larger(a, b), c);
 }
 
 /// Between which distances, squared, a tip's distances to the triangles of a packet lie, but for

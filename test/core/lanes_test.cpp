@@ -81,10 +81,7 @@ TEST(Lanes, AreFoldedRowByRow) {
       values[lane] = static_cast<float>(10 * i + (3 * lane + i) % kLanes);
     rows[i] = Lanes<float>::load(values);
   }
-  for (std::uint32_t i = 0; i < kLanes; ++i) {
-    EXPECT_EQ(leastOfEach(rows)[i], leastOf(rows[i]));
-    EXPECT_EQ(mostOfEach(rows)[i], mostOf(rows[i]));
-  }
+  for (std::uint32_t i = 0; i < kLanes; ++i) EXPECT_EQ(mostOfEach(rows)[i], mostOf(rows[i]));
 }
 
 TYPED_TEST(LanesOf, AreMadeOneByOne) {
@@ -103,7 +100,7 @@ TEST(Lanes, AreGatheredFromAnywhere) {
   std::array<std::uint16_t, kLanes> offsets;
   for (std::uint32_t lane = 0; lane < kLanes; ++lane)
     offsets[lane] = static_cast<std::uint16_t>(number(lane) * sizeof(VertexPlace));
-  const LaneVector<float> gathered = gather(places, offsets);
+  const LaneVector<float> gathered = gather(&places[0].x, offsets);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     EXPECT_EQ(gathered.x[lane], 3 * number(lane));
     EXPECT_EQ(gathered.y[lane], 3 * number(lane) + 1);

@@ -36,6 +36,11 @@ TrianglePacket packetOf(const Triangles& triangles) {
   packet.lane_count = kLaneCount;
   LaneTally tally;
   fillOne(places, corners, packet, tally);
+  for (std::uint16_t i = 0; i < place; ++i) {
+    const Vector<float> offset =
+        Vector<float>{places[i].x, places[i].y, places[i].z} - vectorOf<float>(packet.origin);
+    packet.radius = std::max(packet.radius, rootOf(dot(offset, offset)));
+  }
   return packet;
 }
 

@@ -22,12 +22,17 @@ void forEachLane(const WideTree& tree, const Lane& action) {
     for (std::uint32_t lane = 0; lane < node.lane_count; ++lane) action(node, lane);
 }
 
+/// REQUIRES: there is one.
+const TrianglePacket& packetIn(const WideTree& tree, const WideNode& node, std::uint32_t lane) {
+  return tree.packets()[node.first_packet + lane - node.node_count];
+}
+
 /// The leaves below a lane, each as often as it is there.
 std::vector<WideTree::Leaf> leavesBelow(const WideTree& tree, const WideNode& node,
                                         std::uint32_t lane) {
   std::vector<WideTree::Leaf> leaves;
   if (lane >= node.node_count) {
-    const TrianglePacket& packet = tree.packets()[node.first_packet + lane - node.node_count];
+    const TrianglePacket& packet = packetIn(tree, node, lane);
     for (std::uint32_t i = 0; i < packet.lane_count; ++i) leaves.push_back(packet.first_leaf + i);
     return leaves;
   }
@@ -64,7 +69,7 @@ Box turnedBox(const WideNode& node, std::uint32_t lane) {
           {node.high[0][lane], node.high[1][lane], node.high[2][lane]}};
 }
 
-/// No tolerance: the boxes are widened by far more than doubles round.
+/// No tolerance: boxes and radii are widened by far more than doubles round.
 void expectBoxesAroundWhatIsBelow(const CollisionMesh& organ) {
   const WideTree& tree = organ.wideTree();
   forEachLane(tree, [&](const WideNode& node, std::uint32_t lane) {
@@ -73,6 +78,10 @@ void expectBoxesAroundWhatIsBelow(const CollisionMesh& organ) {
       EXPECT_TRUE(tree.boxOf(node, lane).contains(corner));
       EXPECT_LE((corner - vectorOf(node.origin)).norm(), node.radius);
     }
+    if (lane < node.node_count) return;
+    const TrianglePacket& packet = packetIn(tree, node, lane);
+    for (const Eigen::Vector3d& corner : cornersBelow(organ, node, lane))
+      EXPECT_LE((corner - vectorOf(packet.origin)).norm(), packet.radius);
   });
 }
 
