@@ -243,10 +243,10 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& trian
   }
   considerBeyondBase(view, products, best);
 
-  const Box seen = boxOf(corners[0].offset, corners[1].offset, corners[2].offset);
   const Box box = boxOf(triangle);
   ClosestPoint closest;
-  closest.offset = (best.base->offset + best.step).cwiseMax(seen.low).cwiseMin(seen.high);
+  closest.offset =
+      (best.base->offset + best.step).cwiseMax(box.low - query).cwiseMin(box.high - query);
   closest.point = (best.base->position + best.step).cwiseMax(box.low).cwiseMin(box.high);
   closest.barycentric = best.barycentric;
   closest.feature = featureOf(best.barycentric);

@@ -65,12 +65,18 @@ class TrackedSearch : private NearestSearch<Tip> {
         memory_(memory),
         step_(step()) {}
 
-  NearestTriangle run(Sign sign) {
-    if (!(this->farthest < kFar)) {  // what was followed is as far away as it was
-      NearestTriangle nearest = NearestSearch<Tip>::run();
-      if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corner(0), nearest);
-      return nearest;
-    }
+  /// Each with one answer to return: it is large, and would be copied.
+  NearestTriangle run(Sign sign) { return this->farthest < kFar ? runNear(sign) : runFar(sign); }
+
+ private:
+  /// What was followed is as far away as it was.
+  NearestTriangle runFar(Sign sign) {
+    NearestTriangle nearest = NearestSearch<Tip>::run();
+    if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corner(0), nearest);
+    return nearest;
+  }
+
+  NearestTriangle runNear(Sign sign) {
     auto& patience = memory_.patience;
     const bool rests = patience.rests();
     const bool tries = !rests && follows();
@@ -89,7 +95,6 @@ class TrackedSearch : private NearestSearch<Tip> {
     return nearest;
   }
 
- private:
   static constexpr Accuracy kExact = {};
   /// Sets that may be opened before the front is worn: all that is kept is looked at each time.
   static constexpr std::uint32_t kMostOpened = 16;
