@@ -17,11 +17,12 @@ inline Reach reachOfLanes(const WideNode& node, std::uint32_t first_lane,
   const LaneVector<float> size = turn.magnitudes()(half * (high - low));
   const LaneVector<float> from = middle - size;
   const LaneVector<float> to = middle + size;
-  if (first_lane == 0) return reachOf(from, to);
+  if (first_lane == 0) return reachOfBoxes(from, to);
   const Truth<float> is_meant =
       Lanes<float>::all(static_cast<float>(first_lane)) <= Lanes<float>::numbers();
   const LaneVector<float> least = {nowhere(), nowhere(), nowhere()};
-  return reachOf(select(is_meant, from, LaneVector<float>{} - least), select(is_meant, to, least));
+  return reachOfBoxes(select(is_meant, from, LaneVector<float>{} - least),
+                      select(is_meant, to, least));
 }
 
 inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& to) {
@@ -29,26 +30,26 @@ inline Vector<float> offsetOf(const WideNode& from, const std::array<float, 3>& 
 }
 
 /// Of the corners of a node's packets, seen from another node.
-inline Reach reachOfCorners(const WideNode& node, const TrianglePacket* packets,
+inline Reach reachOfPackets(const WideNode& node, const TrianglePacket* packets,
                             const WideNode& target) {
   const std::uint32_t packet_count = node.lane_count - node.node_count;
   Reach reach = nowhere();
   for (std::uint32_t i = 0; i < packet_count; ++i) {
     LaneTriangles<float> triangles = framesOf<float>(packets[node.first_packet + i]).triangles();
     triangles.a = triangles.a - everywhere(vectorOf<float>(target.origin));
-    reach = larger(reach, reachOf(triangles, turnOf(target.axes)));
+    reach = larger(reach, reachOfCorners(triangles, turnOf(target.axes)));
   }
   return reach;
 }
 
-/// The corners of all that is below one node, level by level: those of a level follow one another.
-inline Reach reachOfAllCorners(const PlainTree& tree, const WideNode& target, std::uint32_t top) {
+/// Of all that is below one node, level by level: those of a level follow one another.
+inline Reach reachOfAllBelow(const PlainTree& tree, const WideNode& target, std::uint32_t top) {
   Reach reach = nowhere();
   std::uint32_t begin = top;
   std::uint32_t end = top + 1;
   while (begin != end) {
     for (std::uint32_t i = begin; i < end; ++i)
-      reach = larger(reach, reachOfCorners(tree.nodes[i], tree.packets, target));
+      reach = larger(reach, reachOfPackets(tree.nodes[i], tree.packets, target));
     begin = tree.nodes[begin].first_node;
     end = tree.nodes[end - 1].first_node + tree.nodes[end - 1].node_count;
   }
@@ -78,8 +79,8 @@ inline void placeBoxes(const PlainTree& tree, std::uint32_t self, Fit fit) {
   if (node.node_count == node.lane_count) node.origin = tree.nodes[node.first_node].origin;
   SetReaches reaches;
   for (std::uint32_t lane = 0; lane < node.node_count; ++lane)
-    reaches.set(lane, fit == Fit::kBoxes ? nowhere()
-                                         : reachOfAllCorners(tree, node, node.first_node + lane));
+    reaches.set(
+        lane, fit == Fit::kBoxes ? nowhere() : reachOfAllBelow(tree, node, node.first_node + lane));
   if (fit == Fit::kBoxes) addBoxes(tree, self, reaches);
   storeBoxes(node, 0, node.node_count, reaches);
   node.radius = radiusAround(load<float>(node.high), LaneVector<float>{} - load<float>(node.low));

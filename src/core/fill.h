@@ -112,10 +112,10 @@ inline Vector<double> squareTo(const Vector<double>& v) {
   put_length(height, packet.height);
 }
 
-/// The frames of triangles with these corners, mostly with the first edge as the base. Corners are
-/// off by 12*u of the triangle's size: by 3*u along the base, 7*u by where the foot is, 7*u by the
-/// height, as the axes are square to each other but for 3*u whatever rounding makes of the normal.
-/// Returns, by bits, those that want placeFrame() instead: seldom one.
+/// The frames of triangles with these edges from a corner, mostly with the first edge as the base.
+/// Corners are off by 12*u of the triangle's size: by 3*u along the base, 7*u by where the foot is,
+/// 7*u by the height, as the axes are square to each other but for 3*u whatever rounding makes of
+/// the normal. Returns, by bits, those that want placeFrame() instead: seldom one.
 [[gnu::always_inline]] inline std::uint32_t placeFrames(const LaneVector<float>& ab,
                                                         const LaneVector<float>& ac,
                                                         const LaneVector<float>& normal,
@@ -193,7 +193,7 @@ inline void fill(const PlainMesh& mesh, const PlainTree& tree, std::uint32_t beg
       LaneTriangles<float> triangles = fillOne(places, corners[i], packets[i], tally);
       if (i == 0) node.origin = packets[i].origin;
       triangles.a = triangles.a - everywhere(vectorOf<float>(node.origin));
-      const Reach reach = reachOf(triangles, turn);
+      const Reach reach = reachOfCorners(triangles, turn);
       packets[i].radius = radiusOf(reach);
       reaches.set(node.node_count + i, reach);
     }

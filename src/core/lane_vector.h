@@ -87,7 +87,7 @@ inline LaneVector<float> gather(const float* points,
   };
   LaneVector<float> lanes;
 #if defined(__AVX__)
-  const auto pair = [&at](std::uint32_t i) {  // by this name: gcc takes a dearer instruction
+  const auto pair = [&at](std::uint32_t i) {  // by name: else gcc takes a dearer instruction
     const Four first = at(i);
     return __builtin_ia32_vinsertf128_ps256(
         __builtin_shufflevector(first, first, 0, 1, 2, 3, -1, -1, -1, -1), at(i + 4), 1);

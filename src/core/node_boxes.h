@@ -14,11 +14,11 @@ namespace organ_collision::core {
 namespace {
 
 constexpr float kBoxRounding = 0x1p-17F;
-/// Of the sum of a box' three sizes, as no node's radius is above 4.
+/// Of the sum of a box' three sizes, as no corner is farther than 4 from its node's origin.
 constexpr float kSizeRounding = 0x1p-14F;
 
 /// How far something reaches from a node's origin: in lanes 0 to 2 along the node's axes, in 4 to 6
-/// against them, in the others nothing.
+/// against them, in the others 0.
 using Reach = Lanes<float>;
 
 /// Rows of a rotation.
@@ -35,22 +35,23 @@ inline Turn turnOf(const std::array<std::array<float, 3>, 3>& rows) {
   return {vectorOf<float>(rows[0]), vectorOf<float>(rows[1]), vectorOf<float>(rows[2])};
 }
 
+/// Of nothing: to be joined with others.
 inline Reach nowhere() { return Reach::all(-kFloatInfinity); }
 
 /// Of what lies in eight boxes.
-inline Reach reachOf(const LaneVector<float>& low, const LaneVector<float>& high) {
+inline Reach reachOfBoxes(const LaneVector<float>& low, const LaneVector<float>& high) {
   const LaneVector<float> against = LaneVector<float>{} - low;
   const Lanes<float> none{};
   return mostOfEach<float>({high.x, high.y, high.z, none, against.x, against.y, against.z, none});
 }
 
 /// Of triangles' corners.
-[[gnu::always_inline]] inline Reach reachOf(const LaneTriangles<float>& triangles,
-                                            const Turn& turn) {
+[[gnu::always_inline]] inline Reach reachOfCorners(const LaneTriangles<float>& triangles,
+                                                   const Turn& turn) {
   const LaneVector<float> a = turn(triangles.a);
   const LaneVector<float> b = turn(triangles.a + triangles.ab);
   const LaneVector<float> c = turn(triangles.a + triangles.ac);
-  return reachOf(smaller(smaller(a, b), c), larger(larger(a, b), c));
+  return reachOfBoxes(smaller(smaller(a, b), c), larger(larger(a, b), c));
 }
 
 /// The sets' reaches.
@@ -61,7 +62,7 @@ class SetReaches {
     set(lane, larger(Reach::load(reaches_[lane].data()), reach));
   }
 
-  /// Along the axes, of sets from one on, up to another: lanes before and after repeat the next.
+  /// Along the axes, of sets from one on, up to another: other lanes repeat the nearest of these.
   LaneVector<float> along(std::uint32_t begin, std::uint32_t end) const {
     return gather(reaches_[0].data(), offsetsOf(begin, end));
   }

@@ -65,7 +65,7 @@ class TrackedSearch : private NearestSearch<Tip> {
         memory_(memory),
         step_(step()) {}
 
-  /// Each with one answer to return: it is large, and would be copied.
+  /// In two functions that return one variable each: an answer is large, and would be copied.
   NearestTriangle run(Sign sign) { return this->farthest < kFar ? runNear(sign) : runFar(sign); }
 
  private:

@@ -73,7 +73,7 @@ TYPED_TEST(LanesOf, AreCalculatedOneByOne) {
   EXPECT_EQ(sumOf(x), TypeParam{8});
 }
 
-TEST(Lanes, AreFoldedRowByRow) {
+TEST(Lanes, HoldTheLargestOfEachRow) {
   Lanes<float> rows[kLanes];
   for (int i = 0; i < kLanes; ++i) {
     alignas(64) float values[kLanes];

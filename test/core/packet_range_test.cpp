@@ -36,7 +36,7 @@ TrianglePacket packetOf(const Triangles& triangles) {
   packet.lane_count = kLaneCount;
   LaneTally tally;
   fillOne(places, corners, packet, tally);
-  for (std::uint16_t i = 0; i < place; ++i) {
+  for (std::uint16_t i = 0; i < place; ++i) {  // the least radius there is
     const Vector<float> offset =
         Vector<float>{places[i].x, places[i].y, places[i].z} - vectorOf<float>(packet.origin);
     packet.radius = std::max(packet.radius, rootOf(dot(offset, offset)));

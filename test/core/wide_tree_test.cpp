@@ -80,8 +80,12 @@ void expectBoxesAroundWhatIsBelow(const CollisionMesh& organ) {
     }
     if (lane < node.node_count) return;
     const TrianglePacket& packet = packetIn(tree, node, lane);
-    for (const Eigen::Vector3d& corner : cornersBelow(organ, node, lane))
-      EXPECT_LE((corner - vectorOf(packet.origin)).norm(), packet.radius);
+    const Points corners = cornersBelow(organ, node, lane);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector3d& next = corners[i - i % 3 + (i + 1) % 3];
+      EXPECT_LE((corners[i] - vectorOf(packet.origin)).norm(), packet.radius);
+      EXPECT_LE((corners[i] - next).norm(), packet.radius);  // packet_range.h relies on it
+    }
   });
 }
 
@@ -184,6 +188,10 @@ TEST_P(WideTreeBoxes, AreTheSameWhetherAFewVerticesAreRefittedOrAll) {
     EXPECT_EQ(few.wideTree().nodes()[i].low, all.wideTree().nodes()[i].low);
     EXPECT_EQ(few.wideTree().nodes()[i].high, all.wideTree().nodes()[i].high);
     EXPECT_EQ(few.wideTree().nodes()[i].radius, all.wideTree().nodes()[i].radius);
+  }
+  for (std::size_t i = 0; i < all.wideTree().packets().size(); ++i) {
+    EXPECT_EQ(few.wideTree().packets()[i].centroid, all.wideTree().packets()[i].centroid);
+    EXPECT_EQ(few.wideTree().packets()[i].radius, all.wideTree().packets()[i].radius);
   }
 }
 
