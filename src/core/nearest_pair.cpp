@@ -42,7 +42,7 @@ std::vector<WaitingPair>& pairScratch(std::size_t levels) {
 namespace {
 
 /// Where the part of `other` that hangs together with a vertex is: the first place of it that
-/// rounding does not take to the other side of the solid's surface.
+/// rounding does not take to the other side of the solid's surface. Torn welds are not crossed.
 Vector3d placeClearOf(const CollisionMesh& solid, const CollisionMesh& other,
                       const Isometry3d& solid_from_other, VertexId vertex, double rounding) {
   const auto place_of = [&](VertexId corner) -> Vector3d {
@@ -55,7 +55,12 @@ Vector3d placeClearOf(const CollisionMesh& solid, const CollisionMesh& other,
     if (nearestTriangle(solid, place, {}, Sign::kNone).distance > rounding) return place;
     for (const TriangleId triangle :
          other.topology().trianglesAt(other.topology().weld(around[i]))) {
-      for (const VertexId corner : other.mesh().triangles()[index(triangle)]) {
+      const Corners& corners = other.mesh().triangles()[index(triangle)];
+      const bool meets = std::any_of(corners.begin(), corners.end(), [&](VertexId corner) {
+        return other.mesh().position(corner) == other.mesh().position(around[i]);
+      });
+      if (!meets) continue;
+      for (const VertexId corner : corners) {
         if (known[index(corner)]) continue;
         known[index(corner)] = true;
         around.push_back(corner);
@@ -65,18 +70,40 @@ Vector3d placeClearOf(const CollisionMesh& solid, const CollisionMesh& other,
   return place_of(vertex);
 }
 
+/// The vertices that have met where welds have parted: of all that was torn off there is one.
+std::vector<VertexId> partedVertices(const CollisionMesh& organ) {
+  const MeshTopology& topology = organ.topology();
+  std::vector<bool> has_parted(organ.mesh().positions().size());  // welds, by number
+  for (const Corners& corners : organ.mesh().triangles()) {
+    for (const VertexId corner : corners)
+      if (!topology.isAtWeld(corner, organ.mesh())) has_parted[topology.weld(corner)] = true;
+  }
+  std::vector<VertexId> vertices;
+  for (const Corners& corners : organ.mesh().triangles()) {
+    for (const VertexId corner : corners)
+      if (has_parted[topology.weld(corner)]) vertices.push_back(corner);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 /// For surfaces that are farther apart than `lower_bound` [m]: a part of `other` that hangs
 /// together is inside the solid.
 bool holdsPartOf(const CollisionMesh& solid, const CollisionMesh& other,
                  const Isometry3d& solid_from_other, double lower_bound, double rounding) {
   if (!solid.health().isSolid()) return false;
-  const std::vector<VertexId>& parts = other.topology().parts();
-  return std::any_of(parts.begin(), parts.end(), [&](VertexId vertex) {
+  const auto is_inside = [&](VertexId vertex) {
     const Vector3d place = lower_bound > rounding
                                ? Vector3d(solid_from_other * other.mesh().position(vertex))
                                : placeClearOf(solid, other, solid_from_other, vertex, rounding);
     return windingNumber(solid, place) != 0;
-  });
+  };
+  const auto is_any_inside = [&](const std::vector<VertexId>& vertices) {
+    return std::any_of(vertices.begin(), vertices.end(), is_inside);
+  };
+  return is_any_inside(other.topology().parts()) ||
+         (!other.holdsTogether() && is_any_inside(partedVertices(other)));
 }
 
 /// The same: one, or a part of it, is inside the other's solid.

@@ -55,8 +55,12 @@ NearestTriangle perhapsInside(NearestTriangle nearest, double radius, bool is_an
 /// `nearest` is of the second, a mesh; `radius` has been taken off it.
 Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_certain,
                  const Isometry3d& frame_from_mesh) {
-  const bool inside = nearest.distance + radius < 0.0;
-  Vector3d normal = (inside ? -1.0 : 1.0) * unitOrZero(nearest.closest.offset);
+  const Vector3d& offset = nearest.closest.offset;
+  const double of_core = nearest.distance + radius;  // 0 where it is lost beside the radius
+  const bool inside =
+      of_core < 0.0 ||
+      (of_core == 0.0 && offset.dot(nearest.closest.point - nearest.tip_point) > 0.0);
+  Vector3d normal = (inside ? -1.0 : 1.0) * unitOrZero(offset);
   // Where the core crosses the surface, both points are as far apart as the radius reaches.
   if (normal.isZero(0.0)) normal = unitOrZero(nearest.tip_point - nearest.closest.point);
   if (normal.isZero(0.0)) normal = -nearest.normal;

@@ -42,6 +42,47 @@ TEST(Parts, OneOfWhichIsInsideASolidCollideWithIt) {
   EXPECT_TRUE(found.colliding);
 }
 
+/// Two cubes that share a vertex are torn apart: the one goes far away, the other becomes a tenth
+/// as large and gets its corner at `place`.
+CollisionMesh tornCubes(bool second_goes, const Vector3d& place) {
+  const TriangleMesh welded = joined(cube(), placed(cube(), 1.0, {1, 1, 1}));
+  CollisionMesh torn(welded);
+  Points positions = welded.positions();
+  const std::size_t half = positions.size() / 2;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const bool is_second = i >= half;
+    const Vector3d local = positions[i] - (is_second ? Vector3d(1, 1, 1) : Vector3d(0, 0, 0));
+    positions[i] = is_second == second_goes ? Vector3d(local + Vector3d(10, 10, 10))
+                                            : Vector3d(0.1 * local + place);
+  }
+  EXPECT_EQ(torn.topology().parts().size(), 1U);
+  EXPECT_TRUE(torn.holdsTogether());
+  torn.refit(positions);
+  EXPECT_FALSE(torn.holdsTogether());
+  return torn;
+}
+
+TEST(Parts, ThatWereTornOffCollideWithASolidThatTheyAreIn) {
+  const CollisionMesh solid(cube());
+  for (const bool second_goes : {false, true}) {
+    const CollisionMesh torn = tornCubes(second_goes, {0.45, 0.45, 0.45});
+    for (const bool swapped : {false, true}) {
+      const NearestPair pair = swapped ? nearestPair(solid, Isometry3d::Identity(), torn)
+                                       : nearestPair(torn, Isometry3d::Identity(), solid);
+      EXPECT_NEAR(pair.nearest.distance, -0.45, 1e-15);
+      EXPECT_TRUE(pair.nearest.distance_signed);
+    }
+  }
+}
+
+TEST(Parts, ThatWereTornOffAreTheirOwnWhereTheyAllButTouch) {
+  const CollisionMesh solid(cube());
+  for (const bool second_goes : {false, true}) {
+    const CollisionMesh torn = tornCubes(second_goes, {1e-14, 0.45, 0.45});
+    EXPECT_NEAR(nearestPair(torn, Isometry3d::Identity(), solid).nearest.distance, -1e-14, 1e-16);
+  }
+}
+
 /// Whatever normals say.
 TEST(Parts, HaveTheSideThatTheWindingNumberTells) {
   const TriangleMesh inner = placed(cube(), 0.5, {0.25, 0.25, 0.25});

@@ -117,6 +117,14 @@ TEST(Proximity, OfASphereThatReachesIntoAMeshHasTheNormalIntoIt) {
   }
 }
 
+TEST(Proximity, OfASphereWhoseCentreIsBarelyInsideHasTheNormalInto) {
+  for (const double z : {1.0 + 0x1p-52, 1.0, 1.0 - 0x1p-53}) {  // lost beside the radius
+    const Proximity crossing = proximity(Sphere{{0.5, 0.5, z}, 1.0}, cubeAt({0, 0, 0}));
+    EXPECT_NEAR(crossing.distance, -1.0, 1e-15);
+    EXPECT_EQ(crossing.normal, Vector3d(0, 0, -1));
+  }
+}
+
 TEST(Proximity, OfMeshesIsUncertainWhereTheAccuracyDoesNotDecideIt) {
   const auto soup = std::make_shared<const CollisionMesh>(test::soup(500, 3));  // open
   std::size_t uncertain = 0;

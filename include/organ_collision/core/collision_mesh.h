@@ -28,6 +28,9 @@ class CollisionMesh {
   const WideTree& wideTree() const { return wide_tree_; }
   const MeshHealth& health() const { return health_; }
 
+  /// Whether what was welded when the topology was made still is: no refit has torn it.
+  bool holdsTogether() const { return parted_corners_ == 0; }
+
   /// Closed, and so flat that rounding may have made all of its volume: faces of both sides are
   /// equally near then, and no normal tells which is the outer one.
   bool isPerhapsFlat() const;

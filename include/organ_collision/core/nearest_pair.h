@@ -22,9 +22,11 @@ struct NearestPair {
 /// paper's search from the middle of the first's box, and back. Throws std::invalid_argument for an
 /// accuracy that is not usable, or a pose that is not rigid.
 ///
-/// Cost: grows with the triangles that are about as near as the nearest; least where the surfaces
-/// meet. docs/scenes.md has measured ones. Does not allocate once the thread has seen its widest
-/// search.
+/// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where one
+/// vertex is so far astray that all others are; least where the surfaces meet. Besides, for the
+/// sign, a winding number for each part of one that may be inside the other's solid. docs/scenes.md
+/// has measured ones. Does not allocate once the thread has seen its widest search, but where
+/// surfaces are as near as rounding, or were torn at their welds.
 /// Source: both hierarchies are descended at once as in S. Gottschalk, M. Lin and D. Manocha,
 /// "OBBTree: a hierarchical structure for rapid interference detection" (1996).
 NearestPair nearestPair(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,

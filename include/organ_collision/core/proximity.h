@@ -24,9 +24,11 @@ struct Proximity {
 
 /// Of two shapes in one frame. Of round ones the distance of their cores less the radii; where two
 /// axes cross, -(both radii). Of a mesh and a round shape as contact() tells; of two meshes as
-/// nearestPair() does: 0 where the surfaces meet. Swapped shapes swap the points and turn the
-/// normal. Throws as requireUsable() does. Costs one closestPoints(), of a mesh what contact()
-/// does.
+/// nearestPair() does: 0 where the surfaces meet, and where a part of one is inside the other's
+/// solid, points, normal and bounds are those of the surfaces' nearest points, as if these were of
+/// that part. Swapped shapes swap the points and turn the normal, but where several points are as
+/// near or meshes meet. Throws as requireUsable() and nearestPair() do. Costs one closestPoints(),
+/// of a mesh what contact() does.
 Proximity proximity(const Shape& first, const Shape& second, const Accuracy& accuracy = {});
 
 /// Follows two meshes; all else is asked anew.
