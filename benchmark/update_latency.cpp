@@ -94,7 +94,7 @@ Latencies latencies(node::Organ& organ, const core::Points& tips, double duratio
     {
       const auto snapshot = organ.snapshot();
       const auto nearest = core::nearestTriangle(snapshot->organ, tips[i % tips.size()]);
-      organ.account(nearest, core::Accuracy::exact());
+      organ.account(nearest.tip_point, core::Accuracy::exact());
     }
     result.push_back(watch.elapsed());
   }

@@ -11,12 +11,15 @@
 namespace organ_collision::core {
 namespace {
 
-/// Beyond this the unit frame does not fit any more.
+/// A unit frame fits what stays within this,
 constexpr double kLargestUnit = 1.0;
+/// and reaches this far: of less, single precision would tell little.
+constexpr double kSmallestReach = 0x1p-10;
 
 bool fits(const Box& box, const UnitFrame& frame) {
   return largestCoordinate(frame(box.low)) <= kLargestUnit &&
-         largestCoordinate(frame(box.high)) <= kLargestUnit;
+         largestCoordinate(frame(box.high)) <= kLargestUnit &&
+         0.5 * frame.scale * (box.high - box.low).maxCoeff() >= kSmallestReach;
 }
 
 /// Whether there is a face of `box` that some of what has moved was on, and that none of it reaches

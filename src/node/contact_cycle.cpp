@@ -52,7 +52,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snaps
   if (found.nearest.lower_bound <= scene_.max_distance) {
     found = tracked.tracker.contact(snapshot.organ, snapshot.travel, instrument.shapes,
                                     pose.secondFromFirst(), accuracy);
-    organ.account(found.nearest, accuracy);
+    organ.account(found.nearest.tip_point, accuracy);
   }
   const bool is_late = pose.isLate(now, scene_.stale_after);
   const bool is_far = !found.colliding && found.nearest.lower_bound > scene_.max_distance;

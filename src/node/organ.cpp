@@ -243,8 +243,8 @@ void Organ::publishBuilt(OrganSnapshot next, double cost) {
   cost_ratio_ = 1.0;
 }
 
-void Organ::account(const core::NearestTriangle& answer, const core::Accuracy& accuracy) {
-  if (questions_.add({answer.tip_point, accuracy})) signal_->raise();
+void Organ::account(const Eigen::Vector3d& tip, const core::Accuracy& accuracy) {
+  if (questions_.add({tip, accuracy})) signal_->raise();
 }
 
 /// Once, where it was: refits draw boxes less closely than builds do, which is no wear.

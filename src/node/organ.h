@@ -78,8 +78,9 @@ class Organ {
   /// organ yet.
   void setSignal(std::shared_ptr<Signal> signal) { signal_ = std::move(signal); }
 
-  /// Counts a query that was answered, for the decision when to rebuild.
-  void account(const core::NearestTriangle& answer, const core::Accuracy& accuracy);
+  /// Counts a query that was answered, for the decision when to rebuild; `tip` [m] is what was
+  /// nearest to the organ, in its frame.
+  void account(const Eigen::Vector3d& tip, const core::Accuracy& accuracy);
 
   /// Work per query of late against that of the hierarchy as it was built; 1 before it was
   /// measured.

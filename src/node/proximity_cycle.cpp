@@ -77,8 +77,11 @@ Proximity ProximityCycle::measure(Tracked& tracked, const OrganSnapshots& snapsh
   const core::Shape organ = core::transformed(shapeOf(snapshot), pose);
   const core::Shape other = shapeOf(other_snapshot);
   return unlessFar(tracked, core::boxOf(organ), core::boxOf(other), [&] {
-    return tracked.tracker.proximity(organ, snapshot->travel, other, other_snapshot->travel,
-                                     accuracy);
+    const core::Proximity found =
+        tracked.tracker.proximity(organ, snapshot->travel, other, other_snapshot->travel, accuracy);
+    organs_[first]->account(pose.inverse() * found.point_on_second, accuracy);
+    organs_[second]->account(found.point_on_first, accuracy);
+    return found;
   });
 }
 

@@ -93,7 +93,7 @@ bool Services::findNearestTriangle(FindNearestTriangle::Request& request,
     response.nearest.reserve(points.size());
     for (const core::NearestTriangle& nearest :
          core::nearestTriangles(snapshot->organ, points, accuracy)) {
-      organ.account(nearest, accuracy);
+      organ.account(nearest.tip_point, accuracy);
       response.nearest.push_back(toMessage(nearest, points_from_organ));
     }
   });

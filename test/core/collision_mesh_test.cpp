@@ -196,6 +196,15 @@ TEST(CollisionMesh, HasAFrameThatFitsAgainAfterARebuild) {
   EXPECT_EQ(organ.wideTree().frame().scale, CollisionMesh(organ.mesh()).wideTree().frame().scale);
 }
 
+TEST(CollisionMesh, HasAFrameThatFitsAgainWhereAPartialRefitTakesAVertexBack) {
+  CollisionMesh organ(test::grid(4, 4));
+  const Eigen::Vector3d place = organ.mesh().positions().back();
+  const auto last = static_cast<VertexId>(organ.mesh().positions().size() - 1);
+  organ.refit({last}, {Eigen::Vector3d(1e6, 0, 0)});
+  organ.refit({last}, {place});
+  EXPECT_EQ(organ.wideTree().frame().scale, CollisionMesh(organ.mesh()).wideTree().frame().scale);
+}
+
 TEST(CollisionMesh, AnswersHoweverFarItWasMoved) {
   std::mt19937 generator(34);
   const TriangleMesh row = test::row(101);

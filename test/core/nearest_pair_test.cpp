@@ -157,14 +157,19 @@ TEST(NearestPair, OfASpeckAndAnOrganIsExact) {
     const CollisionMesh speck(test::cube(std::ldexp(1.0, exponent)));
     for (int i = 0; i < 50; ++i) {
       Isometry3d pose = Isometry3d::Identity();
-      pose.translation() = test::randomPoint(generator, 2.0);
+      pose.translation() =
+          i == 0 ? organ.wideTree().frame().centre : test::randomPoint(generator, 2.0);
       const double expected = std::abs(nearestTriangle(organ, pose.translation()).distance);
       const double slack = 1e-14 + 2 * std::ldexp(1.0, exponent);
       ASSERT_NEAR(std::abs(nearestPair(speck, pose, organ).nearest.distance), expected, slack);
       ASSERT_NEAR(std::abs(nearestPair(organ, pose.inverse(), speck).nearest.distance), expected,
                   slack);
-      const NearestTriangle few = nearestPair(speck, pose, organ, Accuracy::greedy()).nearest;
-      ASSERT_LE(few.lower_bound, expected + slack);
+      for (const std::uint32_t pairs : {1U, 3U, 64U}) {
+        ASSERT_LE(nearestPair(speck, pose, organ, {0, 0, pairs}).nearest.lower_bound,
+                  expected + slack);
+        ASSERT_LE(nearestPair(organ, pose.inverse(), speck, {0, 0, pairs}).nearest.lower_bound,
+                  expected + slack);
+      }
     }
   }
 }

@@ -42,6 +42,15 @@ TEST(Parts, OneOfWhichIsInsideASolidCollideWithIt) {
   EXPECT_TRUE(found.colliding);
 }
 
+TEST(Parts, OneOfWhichIsInsideASolidCollideWithItThoughTheOtherIsNearer) {
+  const CollisionMesh solid(cube());
+  const CollisionMesh two(
+      joined(placed(cube(), 0.25, {1.125, 0, 0}), placed(cube(), 0.25, {0.375, 0.375, 0.375})));
+  const NearestPair pair = nearestPair(two, Isometry3d::Identity(), solid);
+  EXPECT_EQ(pair.nearest.distance, -0.125);
+  EXPECT_EQ(pair.nearest.tip_point.x(), 1.125) << "of the nearer part";
+}
+
 /// Two cubes that share a vertex are torn apart: the one goes far away, the other becomes a tenth
 /// as large and gets its corner at `place`.
 CollisionMesh tornCubes(bool second_goes, const Vector3d& place) {

@@ -31,7 +31,7 @@ inline void ask(Organ& organ, const core::Accuracy& accuracy) {
     const auto triangle = static_cast<core::TriangleId>(generator() % mesh.triangleCount());
     const Eigen::Vector3d tip =
         core::centroid(mesh.triangle(triangle)) + test::randomPoint(generator, 0.005);
-    organ.account(core::nearestTriangle(snapshot->organ, tip, accuracy), accuracy);
+    organ.account(tip, accuracy);
   }
 }
 

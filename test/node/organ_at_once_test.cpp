@@ -118,7 +118,7 @@ TEST(Organ, AnswersRightlyForTheVersionThatItNamesWhateverHappensAtOnce) {
       const Eigen::Vector3d tip = test::tipAround(generator, now->organ);
       test::expectBruteForce(now->organ, tip);
       versions.check(*now);
-      organ.account(core::nearestTriangle(now->organ, tip, Accuracy::greedy()), Accuracy::greedy());
+      organ.account(tip, Accuracy::greedy());
     });
   }
   const auto unlessRefused = [](auto&& update) {

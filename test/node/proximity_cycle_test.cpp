@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "node/cube_organ.h"
 #include "node/frames.h"
 #include "node/moves.h"
 #include "test_meshes.h"
@@ -187,6 +188,17 @@ TEST_F(ProximityOfBlobs, FollowsEitherOrganWhenItDeforms) {
     fresh.lookUp();
     ASSERT_EQ(cycle_.proximities(ros::Time(1.0), {}).proximities[1].distance,
               fresh.proximities(ros::Time(1.0), {}).proximities[1].distance);
+  }
+}
+
+TEST_F(ProximityOfBlobs, CountsForTheWearOfBothOrgans) {
+  for (const auto& organ : organs_)
+    organ->update({{}, crushed(organ->snapshot()->organ.mesh().positions())}, UpdateMode::kRefit,
+                  0);
+  for (int i = 0; i < 1024; ++i) cycle_.proximities(ros::Time(1.0), {});
+  for (const auto& organ : organs_) {
+    organ->work();
+    EXPECT_NE(organ->costRatio(), 1.0) << organ->name();
   }
 }
 
