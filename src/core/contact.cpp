@@ -147,6 +147,16 @@ Contact notBelowZero(Contact contact) {
   return contact;
 }
 
+bool tellsDepth(const Contact& contact) {
+  return contact.colliding && contact.nearest.distance_signed;
+}
+
+/// Of two pieces of an instrument: a depth that is proven says more than that surfaces meet.
+bool isNearer(const Contact& one, const Contact& other) {
+  if (tellsDepth(one) != tellsDepth(other)) return tellsDepth(one);
+  return one.nearest.distance < other.nearest.distance;
+}
+
 /// `asker(i)` asks for the i-th piece.
 template <class AskerOf>
 Contact contactOf(const AskerOf& asker, const Shapes& shapes,
@@ -167,11 +177,11 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
     deepest = std::min(deepest, deepestOf(piece.nearest, shapes[i]));
     work.bounds += piece.nearest.work.bounds;
     work.triangles += piece.nearest.work.triangles;
-    if (piece.nearest.distance < whole.nearest.distance) whole = piece;
+    if (isNearer(piece, whole)) whole = piece;
   }
   whole.nearest.lower_bound = lower_bound;
-  const bool perhaps_deeper = whole.colliding && whole.nearest.distance_signed && !all_signed;
-  if (perhaps_deeper) {
+  const bool is_perhaps_deeper = tellsDepth(whole) && !all_signed;
+  if (is_perhaps_deeper) {
     whole.nearest.lower_bound = deepest;
     whole.nearest.distance = whole.nearest.upper_bound;
   }

@@ -141,7 +141,7 @@ class NearestPairSearch : protected PairSearch {
 
   NearestTriangle nearestTo(const CollisionMesh& surface, const Eigen::Vector3d& point) {
     NearestTriangle nearest =
-        NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact()).run();
+        NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact(), Sign::kNone).run();
     bounds += nearest.work.bounds;
     triangles += nearest.work.triangles;
     return nearest;

@@ -79,7 +79,7 @@ constexpr std::size_t kUncachedPackets = 1U << 12U;
 template <class Tip>
 class NearestSearch : protected Search {
  public:
-  NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy)
+  NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign)
       : organ_(organ), tip_(tip), accuracy_(accuracy), scale_(organ.wideTree().frame().scale) {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
@@ -96,9 +96,7 @@ class NearestSearch : protected Search {
     sparing = accuracy.max_leaves != 0;
     leaves_left =
         accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
-    Search::measure = [](Search& search, FarthestPairTree::Leaf leaf) {
-      static_cast<NearestSearch&>(search).measure(leaf);
-    };
+    Search::measure = sign == Sign::kProven ? measureIn<Sign::kProven> : measureIn<Sign::kNone>;
     Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
       return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
     };
@@ -126,25 +124,63 @@ class NearestSearch : protected Search {
     return answer();
   }
 
+  /// The surface's normal at the nearest point, and what it is worth to this tip. REQUIRES: run().
+  SurfaceNormal seen(SurfaceNormal normal) const {
+    normal.is_clear = normal.is_clear && !is_contested_;
+    return normal;
+  }
+
  protected:
   void walk() {
     room = roomFor(organ_.wideTree());
     kernels().walk(*this);
   }
 
-  void measure(FarthestPairTree::Leaf leaf) {
+  void measure(FarthestPairTree::Leaf leaf) { Search::measure(*this, leaf); }
+
+  template <Sign kSign>
+  static void measureIn(Search& search, FarthestPairTree::Leaf leaf) {
+    static_cast<NearestSearch&>(search).measureFor<kSign>(leaf);
+  }
+
+  template <Sign kSign>
+  void measureFor(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return;
     if (isTied(leaf)) return;
     const Corners& vertices = leaf_corners[leaf];
     const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
+    if constexpr (kSign == Sign::kProven) {
+      if (squared_distance <= squared_tie_) contest(leaf, candidate.on_second);
+    }
     if (squared_distance > squared_best_ || (squared_distance == squared_best_ && leaf > best_leaf))
       return;
     pair_ = candidate;
     best_vertex = nearestVertex(vertices);
     best_leaf = leaf;
     squared_best_ = squared_distance;
-    best = std::min(best, std::sqrt(squared_distance) * scale_);
+    const double distance = std::sqrt(squared_distance);
+    if constexpr (kSign == Sign::kProven) squared_tie_ = squaredTie(distance);
+    best = std::min(best, distance * scale_);
+  }
+
+  /// The square of what may be as near as that [m]: twice what rounding takes of either.
+  double squaredTie(double distance) const {
+    constexpr double kTie = 0x1p-48;
+    const double most = distance + kTie * (distance + 4.0 / scale_);
+    return most * most;
+  }
+
+  /// Notes whether a triangle that is nearer than the best, or about as near, has another feature
+  /// there.
+  void contest(FarthestPairTree::Leaf leaf, const ClosestPoint& closest) {
+    if (squared_best_ > squaredTie(std::sqrt(closest.squared_distance))) {
+      is_contested_ = false;
+    } else if (leaf != best_leaf) {
+      is_contested_ =
+          is_contested_ || !isSameFeature(organ_.topology(), leaf_corners[leaf], closest.feature,
+                                          leaf_corners[best_leaf], pair_.on_second.feature);
+    }
   }
 
   /// That a point is nearest to, of the best triangle's.
@@ -208,6 +244,8 @@ class NearestSearch : protected Search {
   const double scale_;
   ClosestPair pair_;
   double squared_best_ = std::numeric_limits<double>::infinity();
+  double squared_tie_ = std::numeric_limits<double>::infinity();
+  bool is_contested_ = false;  // another feature is as near, but for rounding
 };
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is

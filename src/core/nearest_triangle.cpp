@@ -90,22 +90,32 @@ namespace {
 
 /// The paper's answer, of which no more is known than that it is a triangle.
 template <class Tip>
-NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip) {
+NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip, Sign sign) {
   const auto [leaf, splits] = greedySearch(organ, tip.routingPoint());
   const ClosestPair pair = tip.measure(organ.mesh().triangle(organ.wideTree().corners()[leaf]));
   const double to_box = std::sqrt(tip.squaredDistanceTo(organ.health().box));
-  return unsignedAnswer(organ, leaf, pair, to_box, {splits, 1});
+  NearestTriangle nearest = unsignedAnswer(organ, leaf, pair, to_box, {splits, 1});
+  if (sign == Sign::kProven) addSign(organ, tip.corner(0), nearest);
+  return nearest;
+}
+
+template <class Tip>
+[[gnu::always_inline]] inline NearestTriangle searchFrom(const CollisionMesh& organ, const Tip& tip,
+                                                         const Accuracy& accuracy, Sign sign) {
+  NearestSearch<Tip> search(organ, tip, accuracy, sign);
+  NearestTriangle nearest = search.run();
+  if (sign == Sign::kProven)
+    addSign(organ, tip.corner(0),
+            search.seen(surfaceNormal(organ, nearest.triangle, nearest.closest.feature)), nearest);
+  return nearest;
 }
 
 template <class Tip>
 NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy,
                           Sign sign) {
   requireUsable(accuracy);
-  NearestTriangle nearest = accuracy.max_leaves == 1
-                                ? greedyTo(organ, tip)
-                                : NearestSearch<Tip>(organ, tip, accuracy).run();
-  if (sign == Sign::kProven) addSign(organ, tip.corner(0), nearest);
-  return nearest;
+  if (accuracy.max_leaves == 1) return greedyTo(organ, tip, sign);
+  return searchFrom(organ, tip, accuracy, sign);
 }
 
 }  // namespace

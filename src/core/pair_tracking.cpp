@@ -78,7 +78,7 @@ class TrackedPairSearch : private NearestPairSearch {
       const Eigen::Vector3d at((corner & 1U) != 0 ? box.high.x() : box.low.x(),
                                (corner & 2U) != 0 ? box.high.y() : box.low.y(),
                                (corner & 4U) != 0 ? box.high.z() : box.low.z());
-      farthest = std::max(farthest, (pose_ * at - memory_.pose * at).norm());
+      farthest = std::max(farthest, (pose_ * at - memory_.pose * at).stableNorm());
     }
     constexpr double kStretch = 1.0 + 0x1p-4;  // see requireRigid()
     const double travel = kStretch * *of_first + *of_second;

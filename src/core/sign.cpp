@@ -107,6 +107,17 @@ class Fan {
   bool well_shaped_ = true;
 };
 
+/// The welds of an edge, the lesser first; of a vertex twice. REQUIRES: it is no face.
+std::array<MeshTopology::Weld, 2> endsOf(const MeshTopology& topology, const Corners& corners,
+                                         Feature feature) {
+  const auto number = static_cast<std::size_t>(feature);
+  const bool is_vertex = feature <= Feature::kVertexC;
+  const std::size_t first = is_vertex ? number : number - std::size_t{3};
+  const MeshTopology::Weld from = topology.weld(corners[first]);
+  const MeshTopology::Weld to = is_vertex ? from : topology.weld(corners[kNext[first]]);
+  return {std::min(from, to), std::max(from, to)};
+}
+
 SurfaceNormal normalOfFace(const TriangleMesh& mesh, const Corners& corners) {
   const Wedge wedge = wedgeAt(mesh, corners, 0);
   return {wedge.area > 0.0 ? Eigen::Vector3d(wedge.across / wedge.area) : wedge.across,
@@ -187,6 +198,12 @@ SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Fea
   if (organ.health().inverted) normal.direction = -normal.direction;
   normal.is_clear = normal.is_clear && organ.tellsSide(triangle) && !organ.isPerhapsFlat();
   return normal;
+}
+
+bool isSameFeature(const MeshTopology& topology, const Corners& one, Feature of_one,
+                   const Corners& other, Feature of_other) {
+  return of_one != Feature::kFace && of_other != Feature::kFace &&
+         endsOf(topology, one, of_one) == endsOf(topology, other, of_other);
 }
 
 int windingNumber(const CollisionMesh& organ, const Eigen::Vector3d& point) {

@@ -59,24 +59,26 @@ namespace {
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
  public:
-  TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Memory& memory)
-      : NearestSearch<Tip>(organ, tip, kExact),
+  TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
+                Memory& memory)
+      : NearestSearch<Tip>(organ, tip, kExact, sign),
+        sign_(sign),
         state_(organ, travel),
         memory_(memory),
         step_(step()) {}
 
   /// In two functions that return one variable each: an answer is large, and would be copied.
-  NearestTriangle run(Sign sign) { return this->farthest < kFar ? runNear(sign) : runFar(sign); }
+  NearestTriangle run() { return this->farthest < kFar ? runNear() : runFar(); }
 
  private:
   /// What was followed is as far away as it was.
-  NearestTriangle runFar(Sign sign) {
+  NearestTriangle runFar() {
     NearestTriangle nearest = NearestSearch<Tip>::run();
-    if (sign == Sign::kProven) addSign(this->organ_, this->tip_.corner(0), nearest);
+    if (sign_ == Sign::kProven) addSign(this->organ_, this->tip_.corner(0), nearest);
     return nearest;
   }
 
-  NearestTriangle runNear(Sign sign) {
+  NearestTriangle runNear() {
     auto& patience = memory_.patience;
     const bool rests = patience.rests();
     const bool tries = !rests && follows();
@@ -90,8 +92,8 @@ class TrackedSearch : private NearestSearch<Tip> {
     NearestTriangle nearest = this->answer();
     if (!isNormalKnown(nearest)) memory_.normal.reset();
     remember();  // first: addSign() may throw
-    if (sign == Sign::kProven)
-      addSign(this->organ_, this->tip_.corner(0), normalAt(nearest), nearest);
+    if (sign_ == Sign::kProven)
+      addSign(this->organ_, this->tip_.corner(0), this->seen(normalAt(nearest)), nearest);
     return nearest;
   }
 
@@ -198,6 +200,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     memory_.scale = this->scale_;
   }
 
+  const Sign sign_;
   const MeshState state_;
   Memory& memory_;
   const std::optional<Step> step_;
@@ -213,13 +216,13 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return TrackedSearch(organ, PointTip(tip), travel, *memory_).run(sign);
+  return TrackedSearch(organ, PointTip(tip), travel, sign, *memory_).run();
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
   for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return TrackedSearch(organ, TriangleTip(tip), travel, *memory_).run(sign);
+  return TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_).run();
 }
 
 }  // namespace organ_collision::core

@@ -236,7 +236,8 @@ TEST(Contact, OfSeveralPiecesTellsTheDepthThatIsProvenWhereAnotherMayBeDeeper) {
   const CollisionMesh organ(test::blob(4));
   const Shape shallow = Vector3d(0, 0, 0.04);
   const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
-  for (const Shape& deep : {Shape(Vector3d(0.01, 0, 0)), Shape(Sphere{{0.01, 0, 0}, 0.03})}) {
+  for (const Shape& deep : {Shape(Vector3d(0.01, 0, 0)), Shape(Sphere{{0.01, 0, 0}, 0.03}),
+                            Shape(Sphere{{0, 0.001, 0.002}, 0.2})}) {
     const double exact = contact(organ, {shallow, deep}, here).nearest.distance;
     std::size_t open = 0;
     for (std::uint32_t leaves = 1; leaves < 1000; ++leaves) {
@@ -245,6 +246,7 @@ TEST(Contact, OfSeveralPiecesTellsTheDepthThatIsProvenWhereAnotherMayBeDeeper) {
       if (contact(organ, deep, accuracy).nearest.distance_signed) continue;
       ++open;
       const NearestTriangle nearest = contact(organ, {shallow, deep}, here, accuracy).nearest;
+      EXPECT_TRUE(nearest.distance_signed);
       EXPECT_TRUE(std::isfinite(nearest.lower_bound));
       EXPECT_LE(nearest.lower_bound, exact);
       EXPECT_GE(nearest.upper_bound, exact);

@@ -42,7 +42,8 @@ using Shapes = std::vector<Shape>;
 /// The shape in another frame.
 Shape transformed(const Shape& shape, const Eigen::Isometry3d& target_from_shape);
 
-/// The box around the shape [m]; of a mesh, the box around its turned box.
+/// The box around the shape [m], but for rounding; of a mesh, the box around its turned box.
+/// REQUIRES: as requireUsable().
 Box boxOf(const Shape& shape);
 
 /// The box around all of them, moved.

@@ -9,7 +9,9 @@ namespace organ_collision::core {
 /// The nearest triangles of two surfaces.
 struct NearestPair {
   TriangleId triangle_of_first;
-  NearestTriangle nearest;  ///< of the second, in its frame; tip_point is the first's point
+  /// Of the second, in its frame; tip_point is the first's point. The normal is the surface's, also
+  /// of a part that is inside out by itself.
+  NearestTriangle nearest;
 };
 
 /// The nearest triangles of two surfaces, with the proof of how wrong that may be. The distance is

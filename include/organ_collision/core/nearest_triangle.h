@@ -12,8 +12,8 @@ namespace organ_collision::core {
 struct Accuracy {
   double max_relative_error = 0.0;  ///< e: distance found <= (1 + e) * nearest distance
   double max_absolute_error = 0.0;  ///< [m] distance found <= nearest distance + this
-  /// Triangles looked at, the one that the paper's search leads to perhaps twice; 0: no limit, 1:
-  /// that one alone.
+  /// Most triangles to look at. 0: no limit; 1: the one that the paper's search leads to, alone;
+  /// more: that one may be counted twice.
   std::uint32_t max_leaves = 0;
 
   static Accuracy exact() { return {}; }
@@ -23,11 +23,11 @@ struct Accuracy {
 /// Throws std::invalid_argument naming the field unless both errors are finite and >= 0.
 void requireUsable(const Accuracy& accuracy);
 
-/// Whether an answer tells the side on which the tip is. Who wants no more than how far away which
-/// triangle is saves the normal, which costs most where a vertex is nearest, and the proof.
+/// Whether to decide inside or outside.
 enum class Sign : std::uint8_t {
-  kProven,  ///< as far as it can be
-  kNone     ///< no normal, and no distance below 0
+  kProven,  ///< where that can be proven
+  kNone  ///< triangle and distance only: saves the normal, dearest where a vertex is nearest, and
+         ///< the proof
 };
 
 /// What a search cost; the same on every machine. Planes that a Tracker keeps are not counted.
@@ -40,7 +40,7 @@ struct SearchWork {
 /// be. Frame: the mesh's.
 struct NearestTriangle {
   TriangleId triangle;
-  ClosestPoint closest;       ///< on the triangle, seen from tip_point
+  ClosestPoint closest;       ///< on the triangle, seen from tip_point (in a Contact, see there)
   Eigen::Vector3d tip_point;  ///< [m] the tip's point nearest to the triangle
   Eigen::Vector3d normal;     ///< unit outward pseudonormal at the closest point; zero if there is
                               ///< none, or none is asked for
@@ -55,14 +55,14 @@ struct NearestTriangle {
   bool isExact() const { return lower_bound == upper_bound; }
 };
 
-/// The triangle nearest to a point [m]. An exact answer's distance is the least of all computed
-/// point-triangle distances, bit for bit, and of triangles that tie it names the first in the
-/// hierarchy's order. max_leaves = 1 is the paper's search: go to the child whose pole is nearer,
-/// until one triangle is left. More leaves never give a worse answer. Throws std::invalid_argument
-/// for a point or an accuracy that is not usable. Allocates only until the calling thread has seen
-/// its widest search. Costs what is nearly as near as the nearest: far less than O(n) mostly, but
-/// O(n) at the centre of a sphere, unless max_leaves is set. Any threads may ask at the same time,
-/// while none changes the organ.
+/// The triangle nearest to a point [m]. Asked for an exact answer, the distance is the least of all
+/// computed point-triangle distances, bit for bit, and of triangles that tie the first in the
+/// hierarchy's order is named; of lengths below 1e-150 m, squares underflow. max_leaves = 1 is the
+/// paper's search: go to the child whose pole is nearer, until one triangle is left. More leaves
+/// never give a worse answer. Throws std::invalid_argument for a point or an accuracy that is not
+/// usable. Allocates only until the calling thread has seen its widest search. Costs what is nearly
+/// as near as the nearest: far less than O(n) mostly, but O(n) at the centre of a sphere, unless
+/// max_leaves is set. Any threads may ask at the same time, while none changes the organ.
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
                                 const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 

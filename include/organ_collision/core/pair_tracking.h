@@ -19,8 +19,7 @@ class PairTracker {
   PairTracker& operator=(PairTracker&&) noexcept;
 
   /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
-  /// Allocates the first time, and until the thread has seen its widest search. For `travel` see
-  /// Tracker::nearestTriangle().
+  /// Allocates the first time, and where that does. For `travel` see Tracker::nearestTriangle().
   NearestPair nearestPair(const CollisionMesh& first, double travel_of_first,
                           const Eigen::Isometry3d& second_from_first, const CollisionMesh& second,
                           double travel_of_second);

@@ -29,11 +29,15 @@ struct SurfaceNormal {
 };
 SurfaceNormal surfaceNormal(const CollisionMesh& organ, TriangleId triangle, Feature feature);
 
+/// Whether a feature of each of two triangles is one and the same edge or vertex, but for welds.
+bool isSameFeature(const MeshTopology& topology, const Corners& one, Feature of_one,
+                   const Corners& other, Feature of_other);
+
 /// The side of the organ on which a point is; none where the organ is no solid. `closest` must be
-/// the point of the organ exactly nearest to `point`, `normal` the surface's there. The side is
-/// told by the normal where rounding cannot turn it, the organ hangs together and has a thickness,
-/// else by the winding number. Where a part of it has none, two faces with opposite normals
-/// coincide: there the side is that of the first.
+/// the point of the organ exactly nearest to `point`, `normal` the surface's there; not clear where
+/// another feature, of other triangles, is as near but for rounding: it may be the one that is
+/// nearest. The side is told by the normal where it is clear and the point is not too near, else by
+/// the winding number.
 std::optional<Side> sideOf(const CollisionMesh& organ, const Eigen::Vector3d& point,
                            const ClosestPoint& closest, const SurfaceNormal& normal);
 

@@ -23,11 +23,12 @@ class Tracker {
 
   /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
   /// Does not allocate once the thread has seen its widest search.
-  /// `travel` [m] is the sum, over all refits of the organ so far, of the farthest that each moved
-  /// a vertex, rounded up. Where it did not grow with a refit, or the organ is another or was
-  /// rebuilt, what was learnt is forgotten. REQUIRES: where it grew, that vertices did not move
-  /// farther: else triangles may be missed. (An older copy that is refitted has another history:
-  /// rebuild it, or let its travel go on from the latest of all.)
+  /// `travel` [m]: of each organ keep one number, from 0 on, and with each refit add the farthest
+  /// that it moved a vertex, rounded up. Where it did not grow with a refit, or the organ is
+  /// another or was rebuilt, what was learnt is forgotten. REQUIRES: where it grew, vertices did
+  /// not move farther, or triangles may be missed. (An older copy that is refitted has another
+  /// history: rebuild it, or to the travel of the latest add the farthest that a vertex is then
+  /// from where it was in that.)
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel,
                                   const Eigen::Vector3d& tip, Sign sign = Sign::kProven);
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel, const Triangle& tip,

@@ -65,10 +65,10 @@ struct Scene {
   std::vector<Instrument> instruments;
   std::vector<Pair> pairs;
   std::vector<LikePair> like_pairs;
-  double max_distance = std::numeric_limits<double>::infinity();  ///< [m]
+  double max_distance = std::numeric_limits<double>::infinity();  ///< [m] beyond: out of range
   core::Accuracy accuracy;
-  double rate = 1000.0;                            ///< [1/s] most cycles per second
-  double stale_after = 0.1;                        ///< [s]
+  double rate = 1000.0;                            ///< [Hz] most cycles; at least 10
+  double stale_after = 0.1;                        ///< [s] an older pose is stale
   std::optional<std::filesystem::path> mesh_root;  ///< where meshes may be read; none: anywhere
 };
 
