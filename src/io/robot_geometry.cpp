@@ -1,5 +1,6 @@
 #include "organ_collision/io/robot_geometry.h"
 
+#include <cmath>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -75,7 +76,8 @@ core::Shape box(const std::string& link, const LinkGeometry& geometry) {
 }
 
 core::Shape cylinder(const std::string& link, const LinkGeometry& geometry) {
-  return convex(prismMesh(size(link, "cylinder's radius", geometry.size[0]),
+  const double radius = size(link, "cylinder's radius", geometry.size[0]);
+  return convex(prismMesh(radius / std::cos(M_PI / kCylinderSides),
                           size(link, "cylinder's length", geometry.size[1]), kCylinderSides),
                 origin(link, geometry));
 }

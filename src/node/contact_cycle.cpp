@@ -47,6 +47,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snaps
   contact.age = pose.age(now);
   const core::Box box = core::boxOf(instrument.shapes, pose.secondFromFirst());
   core::Contact found{};
+  found.colliding_certain = true;  // where boxes are that far apart
   found.nearest.lower_bound = std::sqrt(squaredDistance(box, snapshot.organ.health().box));
   found.nearest.tip_point = pose.secondFromFirst().translation();
   if (found.nearest.lower_bound <= scene_.max_distance) {
@@ -55,13 +56,14 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snaps
     organ.account(found.nearest.tip_point, accuracy);
   }
   const bool is_late = pose.isLate(now, scene_.stale_after);
-  const bool is_far = !found.colliding && found.nearest.lower_bound > scene_.max_distance;
+  const bool is_apart = !found.colliding && found.colliding_certain;  // else perhaps deep inside
+  const bool is_far = is_apart && found.nearest.lower_bound > scene_.max_distance;
   contact.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
   contact.nearest = is_far ? noNearestTriangle(found.nearest.lower_bound)
                            : toMessage(found.nearest, pose.sceneFromSecond());
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);
-  contact.colliding = !is_far && found.colliding;
-  contact.colliding_certain = is_far || found.colliding_certain;
+  contact.colliding = found.colliding;
+  contact.colliding_certain = found.colliding_certain;
   return contact;
 }
 

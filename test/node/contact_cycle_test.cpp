@@ -259,6 +259,22 @@ TEST_F(ContactCycleTest, BeyondTheLargestDistanceTellsTheProvenBoundOnly) {
   EXPECT_TRUE(contact.colliding_certain);
 }
 
+TEST_F(ContactCycleTest, IsNotOutOfRangeWhereItMayBeDeepInside) {
+  organs_[0] =
+      std::make_unique<Organ>("liver", "liver", test::placed(test::blob(4), 50.0, {0, 0, 0}));
+  scene_.max_distance = 0.1;
+  place("liver", "left_tip", {0.5, 0.0, 0.0}, ros::Time(100.0));
+  EXPECT_TRUE(contacts(ros::Time(100.0)).contacts[0].colliding);
+  std::size_t unsure = 0;
+  for (std::uint32_t leaves = 1; leaves < 1000; ++leaves) {
+    const Contact contact = cycle_.contacts(ros::Time(100.0), {0, 0, leaves}).contacts[0];
+    EXPECT_EQ(contact.status, Contact::OK);
+    EXPECT_EQ(contact.colliding, contact.colliding_certain);
+    if (!contact.colliding && contact.nearest.lower_bound > scene_.max_distance) ++unsure;
+  }
+  EXPECT_GT(unsure, 0U) << "these were told to be out of range";
+}
+
 TEST_F(ContactCycleTest, IsStaleRatherThanOutOfRange) {
   scene_.max_distance = 1.0;
   place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));

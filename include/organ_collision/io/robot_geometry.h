@@ -22,7 +22,7 @@ struct LinkMesh {
 using LinkPiece = std::variant<LinkMesh, core::Shape>;
 
 /// Every <collision> of `link` in `robot_description`, a URDF document. A box becomes its own 12
-/// triangles, a cylinder the prism of kCylinderSides whose edges lie on it; both are convex.
+/// triangles, a cylinder the prism of kCylinderSides whose faces touch it; both are convex.
 /// The document is read in a child process, so that one that crashes the parser, by elements or
 /// joints one in another by the ten thousands, ends as an error here; it costs a fork, with the
 /// caution at loadMesh(). Throws std::runtime_error naming the link if the document cannot be read,
@@ -31,7 +31,7 @@ using LinkPiece = std::variant<LinkMesh, core::Shape>;
 /// core::kLargestCoordinate.
 std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link);
 
-/// The faces of such a prism are inside the cylinder by at most 0.5 % of its radius.
+/// Such a prism holds the cylinder; its edges are outside by at most 0.5 % of the radius.
 constexpr int kCylinderSides = 32;
 
 /// The collision mesh of `link` in `robot_description`, a URDF document that is read as by
