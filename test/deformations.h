@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "brute_force.h"
+#include "inspect.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/sign.h"
 #include "test_meshes.h"
@@ -167,7 +168,7 @@ inline void expectTrueSign(const core::CollisionMesh& organ, const Eigen::Vector
 
 /// What the organ says of itself is what an inspection of its triangles says.
 inline void expectTrueHealth(const core::CollisionMesh& organ) {
-  const core::MeshHealth truth = core::inspect(organ.mesh(), organ.topology());
+  const core::MeshHealth truth = inspect(organ.mesh(), organ.topology());
   ASSERT_EQ(organ.health().box.low, truth.box.low);
   ASSERT_EQ(organ.health().box.high, truth.box.high);
   ASSERT_EQ(organ.health().closed, truth.closed);

@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "core/kernels.h"
-#include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
 namespace {
@@ -81,17 +80,6 @@ MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTa
                        box};
   health.inverted = health.isSolid() && tally.volume < 0.0;
   return health;
-}
-
-MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology) {
-  const Box box = boxOf(mesh);
-  HealthTally tally;
-  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
-    const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
-    if (collinear(triangle.a, triangle.b, triangle.c)) ++tally.degenerate_triangles;
-  }
-  tally.volume = volumeOf(mesh, unitFrame(box));
-  return healthOf(topology, box, tally, partedCorners(mesh, topology));
 }
 
 std::vector<std::string> warnings(const MeshHealth& health) {

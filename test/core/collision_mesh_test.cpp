@@ -7,6 +7,7 @@
 
 #include "brute_force.h"
 #include "every_vector_unit.h"
+#include "inspect.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organs_and_tips.h"
 #include "test_meshes.h"
@@ -71,7 +72,7 @@ TEST_P(MovedMesh, AnswersLikeANewOneAfterAPartialRefit) {
         positions.push_back(all[i]);
       }
       organ.refit(moved, positions);
-      const MeshHealth expected = inspect(organ.mesh(), organ.topology());
+      const MeshHealth expected = test::inspect(organ.mesh(), organ.topology());
       EXPECT_EQ(organ.health().box.low, expected.box.low);
       EXPECT_EQ(organ.health().box.high, expected.box.high);
       EXPECT_EQ(organ.health().degenerate_triangles, expected.degenerate_triangles);

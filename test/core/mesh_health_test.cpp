@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "organ_collision/core/collision_mesh.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
@@ -22,7 +23,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-MeshHealth healthOf(const TriangleMesh& mesh) { return inspect(mesh, MeshTopology(mesh)); }
+MeshHealth healthOf(const TriangleMesh& mesh) { return CollisionMesh(mesh).health(); }
 
 TEST(MeshHealth, OfAnOrganIsWithoutWarnings) {
   const MeshHealth health = healthOf(test::blob(3));

@@ -50,9 +50,6 @@ Box boxOf(const TriangleMesh& mesh);
 MeshHealth healthOf(const MeshTopology& topology, const Box& box, const HealthTally& tally,
                     std::size_t parted_corners);
 
-/// The health of a mesh, all of it looked at anew. O(n).
-MeshHealth inspect(const TriangleMesh& mesh, const MeshTopology& topology);
-
 /// One sentence for each thing that is likely to be a mistake, a size that is no organ's
 /// (millimetres?) included.
 std::vector<std::string> warnings(const MeshHealth& health);
