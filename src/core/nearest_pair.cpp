@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/nearest_pair_search.h"
+#include "core/perhaps_inside.h"
 #include "core/rigid_pose.h"
 #include "organ_collision/core/nearest_triangle.h"
 
@@ -115,15 +116,6 @@ bool isOneInsideTheOther(const CollisionMesh& first, const Isometry3d& second_fr
                      lower_bound, rounding);
 }
 
-NearestTriangle withSign(NearestTriangle nearest, bool inside) {
-  nearest.distance_signed = true;
-  if (!inside) return nearest;
-  nearest.distance = -nearest.distance;
-  nearest.upper_bound = -nearest.lower_bound;
-  nearest.lower_bound = nearest.distance;
-  return nearest;
-}
-
 }  // namespace
 
 NearestPair withSign(const CollisionMesh& first, const Isometry3d& second_from_first,
@@ -131,9 +123,9 @@ NearestPair withSign(const CollisionMesh& first, const Isometry3d& second_from_f
   const bool may_hold = first.health().isSolid() || second.health().isSolid();
   const bool apart = pair.nearest.lower_bound > 0.0;
   if (may_hold && (apart || pair.nearest.isExact())) {
-    const bool inside =
-        apart && isOneInsideTheOther(first, second_from_first, second, pair.nearest.lower_bound);
-    pair.nearest = withSign(pair.nearest, inside);
+    pair.nearest.distance_signed = true;
+    if (apart && isOneInsideTheOther(first, second_from_first, second, pair.nearest.lower_bound))
+      turnInside(pair.nearest);
   }
   return pair;
 }

@@ -124,8 +124,8 @@ class NearestSearch : protected Search {
     return answer();
   }
 
-  /// The surface's normal at the nearest point, and what it is worth to this tip. REQUIRES: run().
-  SurfaceNormal seen(SurfaceNormal normal) const {
+  /// The normal at the nearest point, not clear where another may be meant. REQUIRES: run().
+  SurfaceNormal unlessContested(SurfaceNormal normal) const {
     normal.is_clear = normal.is_clear && !is_contested_;
     return normal;
   }
@@ -164,7 +164,8 @@ class NearestSearch : protected Search {
     best = std::min(best, distance * scale_);
   }
 
-  /// The square of what may be as near as that [m]: twice what rounding takes of either.
+  /// The square of how far away what is as near as that [m] may seem to be: more than rounding
+  /// takes of both.
   double squaredTie(double distance) const {
     constexpr double kTie = 0x1p-48;
     const double most = distance + kTie * (distance + 4.0 / scale_);

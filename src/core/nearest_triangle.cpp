@@ -7,6 +7,7 @@
 
 #include "core/greedy_search.h"
 #include "core/nearest_search.h"
+#include "core/perhaps_inside.h"
 #include "organ_collision/core/sign.h"
 
 namespace organ_collision::core {
@@ -69,11 +70,7 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
   nearest.distance_signed = side.has_value();
   if (side && nearest.isExact())
     nearest.normal = outwardNormal(organ, nearest.closest, normal, *side);
-  if (side == Side::kInside) {
-    nearest.distance = -nearest.distance;
-    nearest.upper_bound = -nearest.lower_bound;
-    nearest.lower_bound = nearest.distance;
-  }
+  if (side == Side::kInside) turnInside(nearest);
 }
 
 void requireUsable(const Accuracy& accuracy) {
@@ -106,7 +103,8 @@ template <class Tip>
   NearestTriangle nearest = search.run();
   if (sign == Sign::kProven)
     addSign(organ, tip.corner(0),
-            search.seen(surfaceNormal(organ, nearest.triangle, nearest.closest.feature)), nearest);
+            search.unlessContested(surfaceNormal(organ, nearest.triangle, nearest.closest.feature)),
+            nearest);
   return nearest;
 }
 

@@ -10,4 +10,11 @@ inline double lowerBoundIfInside(const NearestTriangle& nearest, double radius) 
   return nearest.distance_signed ? nearest.lower_bound : -nearest.upper_bound - 2.0 * radius;
 }
 
+/// What was told of a tip outside becomes the answer of one inside.
+inline void turnInside(NearestTriangle& nearest) {
+  nearest.distance = -nearest.distance;
+  nearest.upper_bound = -nearest.lower_bound;
+  nearest.lower_bound = nearest.distance;
+}
+
 }  // namespace organ_collision::core

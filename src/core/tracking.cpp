@@ -93,7 +93,8 @@ class TrackedSearch : private NearestSearch<Tip> {
     if (!isNormalKnown(nearest)) memory_.normal.reset();
     remember();  // first: addSign() may throw
     if (sign_ == Sign::kProven)
-      addSign(this->organ_, this->tip_.corner(0), this->seen(normalAt(nearest)), nearest);
+      addSign(this->organ_, this->tip_.corner(0), this->unlessContested(normalAt(nearest)),
+              nearest);
     return nearest;
   }
 

@@ -72,15 +72,17 @@ Proximity ProximityCycle::measure(Tracked& tracked, const OrganSnapshots& snapsh
                      core::boxOf(others, Eigen::Isometry3d::Identity()),
                      [&] { return convex::toolProximity(shapes, pose, others, kept); });
   }
+  Organ& first_organ = *organs_[first];
+  Organ& second_organ = *organs_[second];
   const auto& snapshot = snapshots[first];
   const auto& other_snapshot = snapshots[second];
   const core::Shape organ = core::transformed(shapeOf(snapshot), pose);
   const core::Shape other = shapeOf(other_snapshot);
   return unlessFar(tracked, core::boxOf(organ), core::boxOf(other), [&] {
-    const core::Proximity found =
+    core::Proximity found =
         tracked.tracker.proximity(organ, snapshot->travel, other, other_snapshot->travel, accuracy);
-    organs_[first]->account(pose.inverse() * found.point_on_second, accuracy);
-    organs_[second]->account(found.point_on_first, accuracy);
+    first_organ.account(pose.inverse() * found.point_on_second, accuracy);
+    second_organ.account(found.point_on_first, accuracy);
     return found;
   });
 }

@@ -119,9 +119,11 @@ bool Services::findTrianglesWithin(FindTrianglesWithin::Request& request,
 }
 
 bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response) {
-  return answer(response, [&] {
+  const Organ* asked = nullptr;
+  answer(response, [&] {
     requireAtMost(kMostTriangles, request.triangles.size(), "triangles");
     Organ& organ = organNamed(organs_, request.organ);
+    asked = &organ;
     organ.requireFrame(request.header.frame_id);
     if (request.mode > UpdateMesh::Request::REBUILD) {
       throw std::invalid_argument("mode is " + std::to_string(request.mode) +
@@ -143,6 +145,11 @@ bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& re
     response.action = static_cast<std::uint8_t>(applied.action);
     response.duration = applied.duration;
   });
+  if (!response.success) {
+    response.action = UpdateMesh::Response::NONE;
+    if (asked != nullptr) response.mesh_version = asked->snapshot()->version;
+  }
+  return true;
 }
 
 bool Services::getMesh(GetMesh::Request& request, GetMesh::Response& response) {

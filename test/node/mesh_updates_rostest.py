@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rostest_support import TOLERANCE, Inbox, Services, Surface, check_nearest, run, wait_until
 
 from organ_collision.msg import MeshInfo
-from organ_collision.srv import UpdateMesh, UpdateMeshRequest
+from organ_collision.srv import UpdateMesh, UpdateMeshRequest, UpdateMeshResponse
 
 AUTO, REFIT, REBUILD = UpdateMeshRequest.AUTO, UpdateMeshRequest.REFIT, UpdateMeshRequest.REBUILD
 
@@ -187,6 +187,9 @@ class MeshUpdates(DeformingLiver):
             answer = self.services.update(positions, **fields)
             if answer.success or name not in answer.message or rospy.get_time() - start > 1.0:
                 complaints.append((what, answer.success, answer.message, rospy.get_time() - start))
+            version = 0 if what == "an unknown organ" else self.version
+            if (answer.action, answer.mesh_version) != (UpdateMeshResponse.NONE, version):
+                complaints.append((what, answer.action, answer.mesh_version))
         self.assertEqual(complaints, [])
         mesh = self.services.get_mesh()
         self.assertEqual(mesh.mesh_version, self.version)

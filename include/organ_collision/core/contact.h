@@ -12,8 +12,7 @@ namespace organ_collision::core {
 
 /// How an instrument stands to an organ.
 /// - Points, triangles, meshes: `nearest` is what nearestTriangle() or nearestPair() tells.
-/// - Spheres, capsules: it is that of the centre or the axis, from where `closest` is seen; then
-/// the
+/// - Spheres, capsules: it is that of the centre or the axis, from where `closest` is seen; the
 ///   radius is subtracted from distance and bounds, which without a sign end at 0. A capsule whose
 ///   axis crosses the surface of a solid has the distance -radius, however far it crosses.
 /// - tip_point is on the surface of the shape: the point nearest to the organ, or deepest in it. It
