@@ -187,23 +187,25 @@ TEST(CollisionMesh, HasAFrameThatFitsWhereAPartialRefitMovesAVertexALittle) {
   }
 }
 
-TEST(CollisionMesh, HasAFrameThatFitsAgainAfterARebuild) {
+/// A grid of which one vertex was taken to that x, and back.
+CollisionMesh gridOnceAsWideAs(double x) {
   CollisionMesh organ(test::grid(4, 4));
   const Eigen::Vector3d place = organ.mesh().positions().back();
   const auto last = static_cast<VertexId>(organ.mesh().positions().size() - 1);
-  organ.refit({last}, {Eigen::Vector3d(100, 0, 0)});
+  organ.refit({last}, {Eigen::Vector3d(x, 0, 0)});
   organ.refit({last}, {place});
+  return organ;
+}
+
+TEST(CollisionMesh, HasAFrameThatFitsAgainAfterARebuild) {
+  CollisionMesh organ = gridOnceAsWideAs(100.0);
   EXPECT_LT(organ.wideTree().frame().scale, 0.1) << "near enough to be kept";
   organ.rebuild();
   EXPECT_EQ(organ.wideTree().frame().scale, CollisionMesh(organ.mesh()).wideTree().frame().scale);
 }
 
 TEST(CollisionMesh, HasAFrameThatFitsAgainWhereAPartialRefitTakesAVertexBack) {
-  CollisionMesh organ(test::grid(4, 4));
-  const Eigen::Vector3d place = organ.mesh().positions().back();
-  const auto last = static_cast<VertexId>(organ.mesh().positions().size() - 1);
-  organ.refit({last}, {Eigen::Vector3d(1e6, 0, 0)});
-  organ.refit({last}, {place});
+  const CollisionMesh organ = gridOnceAsWideAs(1e6);
   EXPECT_EQ(organ.wideTree().frame().scale, CollisionMesh(organ.mesh()).wideTree().frame().scale);
 }
 
