@@ -4,6 +4,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -190,7 +191,8 @@ void CollisionNode::publishCycle() {
   contacts_publisher_.publish(cycle->contacts);
   cycle->complaints = cycle_.complaints(now);
   if (proximities_publisher_) {
-    proximities_publisher_.publish(proximity_cycle_.proximities(now, accuracy));
+    cycle->proximities = proximity_cycle_.proximities(now, accuracy);
+    proximities_publisher_.publish(cycle->proximities);
     for (Complaint& complaint : proximity_cycle_.complaints(now))
       cycle->complaints.push_back(std::move(complaint));
   }
@@ -294,7 +296,12 @@ void CollisionNode::publishMeshInfo() {
 
 void CollisionNode::publishMarkers() {
   if (markers_publisher_.getNumSubscribers() == 0) return;
-  visualization_msgs::MarkerArray markers = contactMarkers(lastCycle()->contacts, scene_, organs_);
+  const std::shared_ptr<const Cycle> cycle = lastCycle();
+  visualization_msgs::MarkerArray markers = contactMarkers(cycle->contacts, scene_, organs_);
+  const auto add = [&markers](visualization_msgs::MarkerArray more) {
+    std::move(more.markers.begin(), more.markers.end(), std::back_inserter(markers.markers));
+  };
+  add(proximityMarkers(cycle->proximities));
   const ros::SteadyTime now = ros::SteadyTime::now();
   const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
   if (redraw) surfaces_drawn_ = now;
@@ -303,8 +310,10 @@ void CollisionNode::publishMarkers() {
     const std::uint32_t version = organ->snapshot()->version;
     if (!redraw && drawn == version) continue;
     drawn = version;
-    for (auto& marker : organMarkers(*organ).markers) markers.markers.push_back(std::move(marker));
+    add(organMarkers(*organ));
   }
+  for (std::size_t i = 0; redraw && i < instruments_.size(); ++i)
+    add(instrumentMarkers(instruments_, i));
   markers_publisher_.publish(markers);
 }
 

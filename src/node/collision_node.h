@@ -5,6 +5,7 @@
 #include <organ_collision/ContactArray.h>
 #include <organ_collision/MeshUpdate.h>
 #include <organ_collision/OrganCollisionConfig.h>
+#include <organ_collision/ProximityArray.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <tf2/buffer_core.h>
@@ -51,6 +52,7 @@ class CollisionNode {
   /// What run() found last.
   struct Cycle {
     ContactArray contacts;
+    ProximityArray proximities;
     std::vector<Complaint> complaints;
   };
 

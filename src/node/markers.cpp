@@ -1,8 +1,12 @@
 #include "node/markers.h"
 
+#include <tf2_eigen/tf2_eigen.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <variant>
 
 #include "node/conversions.h"
 #include "organ_collision/core/sign.h"
@@ -77,11 +81,12 @@ void addTriangle(visualization_msgs::MarkerArray& array, std::size_t id, const O
   array.markers.push_back(outline);
 }
 
-void addLine(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
-             const Contact& contact, const std_msgs::ColorRGBA& colour) {
-  Marker line = marker(frame, "tip_to_organ", id, Marker::LINE_LIST, colour);
+void addLine(visualization_msgs::MarkerArray& array, const std::string& what, std::size_t id,
+             const std::string& frame, const std::array<geometry_msgs::Point, 2>& ends,
+             const std_msgs::ColorRGBA& colour) {
+  Marker line = marker(frame, what, id, Marker::LINE_LIST, colour);
   line.scale.x = kLineWidth;
-  line.points = {contact.instrument_point, contact.nearest.point};
+  line.points.assign(ends.begin(), ends.end());
   array.markers.push_back(line);
 }
 
@@ -98,31 +103,103 @@ void addNormal(visualization_msgs::MarkerArray& array, std::size_t id, const std
   array.markers.push_back(arrow);
 }
 
-void addText(visualization_msgs::MarkerArray& array, std::size_t id, const std::string& frame,
-             const Contact& contact) {
-  const bool alarming = contact.colliding || contact.status != Contact::OK;
-  Marker text = marker(frame, "distance", id, Marker::TEXT_VIEW_FACING,
-                       alarming ? colour(1, 0.3, 0.2) : colour(1, 1, 1));
+/// Above a point.
+void addText(visualization_msgs::MarkerArray& array, const std::string& what, std::size_t id,
+             const std::string& frame, const geometry_msgs::Point& point, const std::string& words,
+             bool is_alarming) {
+  Marker text = marker(frame, what, id, Marker::TEXT_VIEW_FACING,
+                       is_alarming ? colour(1, 0.3, 0.2) : colour(1, 1, 1));
   text.scale.z = kTextHeight;
-  text.pose.position = contact.instrument_point;
+  text.pose.position = point;
   text.pose.position.z += 3.0 * kTextHeight;
-  std::array<char, 128> words{};
-  std::snprintf(words.data(), words.size(), "%s %.1f mm%s%s", contact.instrument.c_str(),
-                1e3 * contact.nearest.distance, contact.colliding ? ", touching" : "",
-                contact.status == Contact::STALE ? ", stale" : "");
-  text.text = words.data();
+  text.text = words;
   array.markers.push_back(text);
 }
+
+/// Of a contact or a proximity.
+std::string inWords(const std::string& who, double distance, bool colliding, std::uint8_t status) {
+  std::array<char, 64> words{};
+  std::snprintf(words.data(), words.size(), " %.1f mm%s%s", 1e3 * distance,
+                colliding ? ", touching" : "", status == Contact::STALE ? ", stale" : "");
+  return who + words.data();
+}
+
+/// By three, as a marker's triangles are.
+std::vector<geometry_msgs::Point> cornersOfAll(const core::TriangleMesh& mesh) {
+  std::vector<geometry_msgs::Point> points;
+  points.reserve(3 * mesh.triangleCount());
+  for (const core::Corners& corners : mesh.triangles()) {
+    for (const core::VertexId corner : corners) points.push_back(toPoint(mesh.position(corner)));
+  }
+  return points;
+}
+
+/// Draws one instrument's shapes.
+class ShapePainter {
+ public:
+  ShapePainter(const Instrument& instrument, const std_msgs::ColorRGBA& colour)
+      : instrument_(instrument), colour_(colour) {
+    colour_.a = static_cast<float>(kSeeThrough);
+  }
+
+  void operator()(const Eigen::Vector3d& point) { addBall(point, 0.0); }
+  void operator()(const core::Sphere& sphere) { addBall(sphere.centre, sphere.radius); }
+  void operator()(const core::Capsule& capsule) {
+    addBall(capsule.start, capsule.radius);
+    addBall(capsule.end, capsule.radius);
+    const Eigen::Vector3d way = capsule.end - capsule.start;
+    const Eigen::Vector3d middle = capsule.start + 0.5 * way;
+    const double thickness = thicknessOf(capsule.radius);
+    Marker& side = add(Marker::CYLINDER);
+    side.scale = toVector({thickness, thickness, std::max(way.norm(), kThinnest)});
+    side.pose = tf2::toMsg(
+        Eigen::Isometry3d(Eigen::Translation3d(middle) *
+                          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), way)));
+  }
+  void operator()(const core::Triangle& triangle) {
+    Marker& face = add(Marker::TRIANGLE_LIST);
+    for (const Eigen::Vector3d& corner : core::cornersOf(triangle))
+      face.points.push_back(toPoint(corner));
+  }
+  void operator()(const core::RigidMesh& mesh) {
+    Marker& surface = add(Marker::TRIANGLE_LIST);
+    surface.points = cornersOfAll(mesh.surface->mesh());
+    surface.pose = tf2::toMsg(mesh.pose);
+  }
+
+  visualization_msgs::MarkerArray take() { return std::move(array_); }
+
+ private:
+  static constexpr double kSeeThrough = 0.4;  // of 1, which is opaque
+  static constexpr double kThinnest = 0.001;  // [m]
+
+  static double thicknessOf(double radius) { return std::max(2.0 * radius, kThinnest); }
+
+  Marker& add(int type) {
+    array_.markers.push_back(marker(instrument_.frame, "shape_of_" + instrument_.name,
+                                    array_.markers.size(), type, colour_));
+    Marker& added = array_.markers.back();
+    added.scale = toVector({1, 1, 1});
+    return added;
+  }
+
+  void addBall(const Eigen::Vector3d& centre, double radius) {
+    const double thickness = thicknessOf(radius);
+    Marker& ball = add(Marker::SPHERE);
+    ball.scale = toVector({thickness, thickness, thickness});
+    ball.pose.position = toPoint(centre);
+  }
+
+  const Instrument& instrument_;
+  std_msgs::ColorRGBA colour_;
+  visualization_msgs::MarkerArray array_;
+};
 
 Marker surfaceMarker(const Organ& organ, const core::TriangleMesh& mesh) {
   Marker surface = marker(organ.frame(), "surface_of_" + organ.name(), 0, Marker::TRIANGLE_LIST,
                           colour(0.55, 0.16, 0.12));
   surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
-  surface.points.reserve(3 * mesh.triangleCount());
-  for (const core::Corners& corners : mesh.triangles()) {
-    for (const core::VertexId corner : corners)
-      surface.points.push_back(toPoint(mesh.position(corner)));
-  }
+  surface.points = cornersOfAll(mesh);
   return surface;
 }
 
@@ -149,6 +226,11 @@ Marker edgesMarker(const Organ& organ, const core::CollisionMesh& mesh) {
   return edges;
 }
 
+/// Unless drawn again.
+void letGoAway(visualization_msgs::MarkerArray& array) {
+  for (Marker& each : array.markers) each.lifetime = ros::Duration(0.5);
+}
+
 }  // namespace
 
 visualization_msgs::MarkerArray organMarkers(const Organ& organ) {
@@ -157,6 +239,13 @@ visualization_msgs::MarkerArray organMarkers(const Organ& organ) {
   array.markers.push_back(surfaceMarker(organ, snapshot->organ.mesh()));
   array.markers.push_back(edgesMarker(organ, snapshot->organ));
   return array;
+}
+
+visualization_msgs::MarkerArray instrumentMarkers(const Instruments& instruments,
+                                                  std::size_t number) {
+  ShapePainter painter(instruments[number], instrumentColour(number));
+  for (const core::Shape& shape : instruments[number].shapes) std::visit(painter, shape);
+  return painter.take();
 }
 
 visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, const io::Scene& scene,
@@ -170,12 +259,34 @@ visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, con
     const std_msgs::ColorRGBA colour = instrumentColour(pair.instrument);
     addTriangle(array, i, *organs[pair.organ],
                 static_cast<core::TriangleId>(contact.nearest.triangle), colour);
-    addLine(array, i, frame, contact, colour);
+    addLine(array, "tip_to_organ", i, frame, {contact.instrument_point, contact.nearest.point},
+            colour);
     addNormal(array, i, frame, contact.nearest);
-    addText(array, i, frame, contact);
+    addText(
+        array, "distance", i, frame, contact.instrument_point,
+        inWords(contact.instrument, contact.nearest.distance, contact.colliding, contact.status),
+        contact.colliding || contact.status != Contact::OK);
   }
-  // What is not drawn again goes away.
-  for (Marker& each : array.markers) each.lifetime = ros::Duration(0.5);
+  letGoAway(array);
+  return array;
+}
+
+visualization_msgs::MarkerArray proximityMarkers(const ProximityArray& proximities) {
+  visualization_msgs::MarkerArray array;
+  for (std::size_t i = 0; i < proximities.proximities.size(); ++i) {
+    const Proximity& proximity = proximities.proximities[i];
+    const std::string& frame = proximities.header.frame_id;
+    if (!std::isfinite(proximity.distance)) continue;
+    addLine(array, "proximity", i, frame, {proximity.point_on_first, proximity.point_on_second},
+            colour(0.95, 0.95, 0.95));
+    const Eigen::Vector3d middle =
+        0.5 * (fromPoint(proximity.point_on_first) + fromPoint(proximity.point_on_second));
+    addText(array, "proximity_distance", i, frame, toPoint(middle),
+            inWords(proximity.first + " - " + proximity.second, proximity.distance,
+                    proximity.colliding, proximity.status),
+            proximity.colliding || proximity.status != Contact::OK);
+  }
+  letGoAway(array);
   return array;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -122,6 +124,71 @@ TEST_F(MarkersTest, ShowNoTriangleThatTheMeshHasNoMore) {
   EXPECT_THAT(markers("nearest_triangle"), ElementsAre(Field(&Marker::id, 1)));
   EXPECT_THAT(markers("nearest_triangle_outline"), ElementsAre(Field(&Marker::id, 1)));
   EXPECT_THAT(markers("tip_to_organ"), SizeIs(2));
+}
+
+core::Shapes oneOfEach() {
+  const auto cube = std::make_shared<const core::CollisionMesh>(test::cube());
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = Eigen::Vector3d(0, 0, -3);
+  return {Eigen::Vector3d(1, 2, 3), core::Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+          core::Sphere{{4, 5, 6}, 0.25}, core::Capsule{{1, 0, 0}, {1, -4, 0}, 0.5},
+          core::RigidMesh{cube, pose}};
+}
+
+TEST(InstrumentMarkers, ShowEveryShapeWhereItIs) {
+  const Instruments instruments = {{"left", "left_tip", {}, 0.0},
+                                   {"right", "right_tip", oneOfEach(), 0.0}};
+  EXPECT_THAT(instrumentMarkers(instruments, 0).markers, SizeIs(0));
+  const auto markers = instrumentMarkers(instruments, 1).markers;
+  std::vector<int> types;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    types.push_back(markers[i].type);
+    EXPECT_EQ(markers[i].ns, "shape_of_right");
+    EXPECT_EQ(markers[i].id, static_cast<int>(i));
+    EXPECT_EQ(markers[i].header.frame_id, "right_tip");
+    EXPECT_TRUE(markers[i].frame_locked);
+    EXPECT_LT(markers[i].color.a, 1.0F) << "hides what is inside";
+  }
+  ASSERT_THAT(types,
+              ElementsAre(Marker::SPHERE, Marker::TRIANGLE_LIST, Marker::SPHERE, Marker::SPHERE,
+                          Marker::SPHERE, Marker::CYLINDER, Marker::TRIANGLE_LIST));
+  EXPECT_EQ(markers[0].pose.position, point(1, 2, 3));
+  EXPECT_GT(markers[0].scale.x, 0.0) << "rviz refuses what has no size";
+  EXPECT_THAT(markers[1].points, ElementsAre(point(0, 0, 0), point(1, 0, 0), point(0, 1, 0)));
+  EXPECT_EQ(markers[2].pose.position, point(4, 5, 6));
+  EXPECT_EQ(markers[2].scale, toVector({0.5, 0.5, 0.5}));
+  EXPECT_EQ(markers[3].pose.position, point(1, 0, 0));
+  EXPECT_EQ(markers[4].pose.position, point(1, -4, 0));
+  EXPECT_EQ(markers[5].pose.position, point(1, -2, 0));
+  EXPECT_EQ(markers[5].scale, toVector({1, 1, 4}));
+  const auto& turn = markers[5].pose.orientation;
+  const Eigen::Vector3d axis =
+      Eigen::Quaterniond(turn.w, turn.x, turn.y, turn.z) * Eigen::Vector3d::UnitZ();
+  EXPECT_LE((axis - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+  EXPECT_THAT(markers[6].points, SizeIs(36));
+  EXPECT_EQ(markers[6].pose.position, point(0, 0, -3));
+}
+
+TEST(ProximityMarkers, JoinTheNearestPointsWhereThereIsAnAnswer) {
+  ProximityArray proximities;
+  proximities.header.frame_id = "world";
+  proximities.proximities.resize(2);
+  proximities.proximities[0].distance = std::numeric_limits<double>::infinity();
+  Proximity& proximity = proximities.proximities[1];
+  proximity.first = "left";
+  proximity.second = "right";
+  proximity.distance = 0.0125;
+  proximity.point_on_first = point(1, 0, 0);
+  proximity.point_on_second = point(3, 0, 0);
+  const auto markers = proximityMarkers(proximities).markers;
+  ASSERT_THAT(markers, AllOf(SizeIs(2), Each(Field(&Marker::id, 1))));
+  for (const Marker& marker : markers) {
+    EXPECT_EQ(marker.header.frame_id, "world");
+    EXPECT_GT(marker.lifetime, ros::Duration(0.0));
+  }
+  EXPECT_THAT(markers[0].points, ElementsAre(point(1, 0, 0), point(3, 0, 0)));
+  EXPECT_EQ(markers[1].text, "left - right 12.5 mm");
+  EXPECT_EQ(markers[1].pose.position.x, 2.0);
 }
 
 /// The edges that are drawn, without their sense, and how many lines that takes.
