@@ -1,17 +1,15 @@
 #include "node/collision_node.h"
 
 #include <organ_collision/MeshInfoArray.h>
-#include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
-#include <iterator>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
 #include "node/conversions.h"
 #include "node/cycle_pace.h"
 #include "node/duty.h"
-#include "node/markers.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
 
@@ -20,7 +18,6 @@ namespace {
 
 constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
-constexpr double kSurfacePeriod = 2.0;      // [s] for who starts to listen late
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
 constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
@@ -28,17 +25,11 @@ constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether i
 constexpr unsigned kSpinnerThreads = 4;   // of each: what takes long keeps not all others waiting
 constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
-constexpr unsigned kUpdateQueue =
-    100;  // taken in faster than they come: each is only added to what waits
+constexpr unsigned kProximitiesQueue = 10;
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
   node.setCallbackQueue(&queue);
   return node;
-}
-
-bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
-  const auto entry = event.getConnectionHeader().find("latching");
-  return entry != event.getConnectionHeader().end() && entry->second == "1";
 }
 
 OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
@@ -47,16 +38,6 @@ OrganCollisionConfig toConfig(const core::Accuracy& accuracy) {
   config.max_absolute_error = accuracy.max_absolute_error;
   config.max_leaves = static_cast<int>(accuracy.max_leaves);
   return config;
-}
-
-/// A warning each time that there are more of them.
-void diagnoseNews(const std::string& what, Incidents& incidents,
-                  diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const Incidents::News news = incidents.takeNews();
-  status.add(what, news.count);
-  if (news.more == 0) return;
-  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                      what + ": " + std::to_string(news.more) + ", the last " + news.last);
 }
 
 }  // namespace
@@ -71,9 +52,10 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       proximity_cycle_(scene_, instruments_, organs_, buffer_),
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
-      diagnostics_(node, private_node, ros::this_node::getName()),
+      markers_(scene_, instruments_, organs_),
+      diagnostics_(node, private_node, organs_, troubles_, [this] { return lastCycle(); }),
+      mesh_updates_(organs_, troubles_.update_refusals, [this] { publishMeshInfo(); }),
       services_(organs_, buffer_, [this] { publishMeshInfo(); }),
-      update_spinner_(1, &update_queue_),
       change_spinner_(kSpinnerThreads, &change_queue_),
       spinner_(kSpinnerThreads) {
   hearTf("/tf", false);
@@ -83,36 +65,26 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   reconfigure_.setCallback(
       [this](OrganCollisionConfig& wanted, std::uint32_t) { reconfigure(wanted); });
 
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("contacts", this, &CollisionNode::diagnose);
-
   contacts_publisher_ = private_node.advertise<ContactArray>("contacts", kContactsQueue);
   if (!scene_.like_pairs.empty())
-    proximities_publisher_ = private_node.advertise<ProximityArray>("proximities", 10);
-  markers_publisher_ = private_node.advertise<visualization_msgs::MarkerArray>("markers", 2);
+    proximities_publisher_ =
+        private_node.advertise<ProximityArray>("proximities", kProximitiesQueue);
+  markers_.advertise(private_node);
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
 
-  for (const auto& organ : organs_) {
-    organ->setSignal(organs_wait_);
-    health_told_[organ->name()] = core::warnings(organ->snapshot()->organ.health());
-  }
-  mesh_update_subscriber_ =
-      onQueue(private_node, update_queue_)
-          .subscribe("mesh_update", kUpdateQueue, &CollisionNode::takeMeshUpdate, this,
-                     ros::TransportHints().tcpNoDelay());
+  for (const auto& organ : organs_) organ->setSignal(organs_wait_);
+  mesh_updates_.subscribe(private_node);
   ros::NodeHandle changes = onQueue(private_node, change_queue_);
   services_.advertise(private_node, changes);
-  const auto every = [&](double period, void (CollisionNode::*action)()) {
+  const auto every = [&](double period, const std::function<void()>& action) {
     timers_.push_back(private_node.createSteadyTimer(
-        ros::WallDuration(period),
-        [this, action](const ros::SteadyTimerEvent&) { (this->*action)(); }));
+        ros::WallDuration(period), [action](const ros::SteadyTimerEvent&) { action(); }));
   };
-  every(kMarkerPeriod, &CollisionNode::publishMarkers);
-  every(kDiagnosticPeriod, &CollisionNode::publishDiagnostics);
-  every(kMasterPeriod, &CollisionNode::checkMaster);
+  every(kMarkerPeriod, [this] { markers_.publish(*lastCycle()); });
+  every(kDiagnosticPeriod, [this] { diagnostics_.publish(); });
+  every(kMasterPeriod, [this] { master_watch_.check(); });
   master_watch_.check();
-  update_spinner_.start();
   change_spinner_.start();
   spinner_.start();
   for (const std::string& sentence : report(scene_, instruments_, organs_))
@@ -123,7 +95,6 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
 }
 
 CollisionNode::~CollisionNode() {
-  update_spinner_.stop();
   change_spinner_.stop();
   spinner_.stop();
   stopping_ = true;
@@ -152,7 +123,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
     for (std::string& complaint : intake_.take(*event.getConstMessage(), event.getPublisherName(),
                                                is_static, ros::Time::now())) {
       if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
-      tf_complaints_.note(std::move(complaint));
+      troubles_.tf_complaints.note(std::move(complaint));
     }
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
@@ -172,7 +143,7 @@ void CollisionNode::run() {
     // Who cannot keep up answers the newest poses, not all of them ever later.
     if (pace.isBehind(now) && !tf_queue_.isEmpty()) {
       tf_queue_.callAvailable();
-      ++times_behind_;
+      ++troubles_.times_behind;
     }
     if (tf_queue_.isEmpty()) pace.noteCaughtUp(ros::SteadyTime::now());
     const bool tips_moved = cycle_.lookUpTips();
@@ -217,7 +188,7 @@ void CollisionNode::warn(const std::vector<Complaint>& complaints) {
   warn_at_ = std::move(warn_at);  // who has nothing to complain of any more starts anew
 }
 
-std::shared_ptr<const CollisionNode::Cycle> CollisionNode::lastCycle() const {
+std::shared_ptr<const Cycle> CollisionNode::lastCycle() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return last_cycle_;
 }
@@ -225,44 +196,6 @@ std::shared_ptr<const CollisionNode::Cycle> CollisionNode::lastCycle() const {
 core::Accuracy CollisionNode::accuracy() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return accuracy_;
-}
-
-void CollisionNode::takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event) {
-  const MeshUpdate& update = *event.getConstMessage();
-  missed_updates_ += missedBefore(event);
-  try {
-    Organ& organ = organNamed(organs_, update.organ);
-    organ.countLostUpdates(std::exchange(missed_updates_, 0));  // its own, most likely
-    enqueue(organ, update);
-  } catch (const std::exception& error) {
-    std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
-                          event.getPublisherName() + ": " + error.what();
-    if (update_log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
-    update_refusals_.note(std::move(refusal));
-  }
-}
-
-/// How many updates of this one's publisher did not come.
-std::uint32_t CollisionNode::missedBefore(const ros::MessageEvent<MeshUpdate const>& event) {
-  const std::string& publisher = event.getPublisherName();
-  const std::uint32_t missed = update_gaps_.before(publisher, event.getConstMessage()->header.seq);
-  // rospy counts up for each one that subscribes to what is latched.
-  if (missed == 0 || isLatched(event)) return 0;
-  const std::string loss =
-      std::to_string(missed) + " mesh updates of " + publisher + " were lost on the way here";
-  if (update_log_.allows(loss)) ROS_WARN("%s", loss.c_str());
-  return missed;
-}
-
-void CollisionNode::enqueue(Organ& organ, const MeshUpdate& update) {
-  try {
-    organ.requireFrame(update.header.frame_id);
-    organ.enqueue(movesFrom(update));
-  } catch (const std::exception&) {
-    organ.countLostUpdates(1);
-    publishMeshInfo();
-    throw;
-  }
 }
 
 void CollisionNode::updateOrgans() {
@@ -292,94 +225,6 @@ void CollisionNode::publishMeshInfo() {
       array.meshes.back().reason += " for " + partnersOfOrgan(scene_, i);
   }
   mesh_info_publisher_.publish(array);
-}
-
-void CollisionNode::publishMarkers() {
-  if (markers_publisher_.getNumSubscribers() == 0) return;
-  const std::shared_ptr<const Cycle> cycle = lastCycle();
-  visualization_msgs::MarkerArray markers = contactMarkers(cycle->contacts, scene_, organs_);
-  const auto add = [&markers](visualization_msgs::MarkerArray more) {
-    std::move(more.markers.begin(), more.markers.end(), std::back_inserter(markers.markers));
-  };
-  add(proximityMarkers(cycle->proximities));
-  const ros::SteadyTime now = ros::SteadyTime::now();
-  const bool redraw = (now - surfaces_drawn_).toSec() > kSurfacePeriod;
-  if (redraw) surfaces_drawn_ = now;
-  for (const auto& organ : organs_) {
-    std::uint32_t& drawn = drawn_versions_[organ->name()];
-    const std::uint32_t version = organ->snapshot()->version;
-    if (!redraw && drawn == version) continue;
-    drawn = version;
-    add(organMarkers(*organ));
-  }
-  for (std::size_t i = 0; redraw && i < instruments_.size(); ++i)
-    add(instrumentMarkers(instruments_, i));
-  markers_publisher_.publish(markers);
-}
-
-/// Not update(), which waits for ROS time: that may stand still or jump back.
-void CollisionNode::publishDiagnostics() { diagnostics_.force_update(); }
-
-void CollisionNode::checkMaster() { master_watch_.check(); }
-
-void CollisionNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const std::shared_ptr<const Cycle> cycle = lastCycle();
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "contacts flow");
-  for (const Complaint& complaint : cycle->complaints) {
-    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                        complaint.first + " to " + complaint.second + ": " + complaint.reason);
-  }
-  if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
-    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                        "use_sim_time is set, but /clock stands at 0");
-  }
-  diagnoseHaste(status);
-  diagnoseNews("complaints about tf", tf_complaints_, status);
-  diagnoseNews("mesh updates refused", update_refusals_, status);
-  status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
-  for (const auto& organ : organs_) {
-    const std::shared_ptr<const OrganSnapshot> snapshot = organ->snapshot();
-    for (const std::string& sentence : core::warnings(snapshot->organ.health())) {
-      status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, organ->name() + ": " + sentence);
-    }
-    warnOfHealth(organ->name(), *snapshot);
-    const Organ::Counters counters = organ->counters();
-    status.add(organ->name() + " mesh version", snapshot->version);
-    status.add(organ->name() + " last action", snapshot->reason);
-    const Organ::Builds builds = organ->builds();
-    status.add(organ->name() + " builds", builds.count);
-    status.add(organ->name() + " last build", builds.reason);
-    status.add(organ->name() + " since then", builds.figures);
-    if (!builds.failure.empty()) {
-      status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                          organ->name() + " could not be rebuilt: " + builds.failure);
-    }
-    status.add(organ->name() + " cost ratio", organ->costRatio());
-    status.add(organ->name() + " updates merged", counters.updates_merged);
-    status.add(organ->name() + " updates lost", counters.updates_lost);
-  }
-}
-
-/// What an update has brought with it; the rest was told when the organ was loaded.
-void CollisionNode::warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot) {
-  std::vector<std::string> sentences = core::warnings(snapshot.organ.health());
-  const std::vector<std::string>& known = health_told_[organ];
-  const std::string since = "'" + organ + "', since it was updated: ";
-  for (const std::string& sentence : sentences) {
-    if (std::count(known.begin(), known.end(), sentence) > 0) continue;
-    const std::string warning = since + sentence;
-    if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
-  }
-  health_told_[organ] = std::move(sentences);
-}
-
-/// A warning each time that it happened again.
-void CollisionNode::diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const std::uint64_t times = times_behind_;
-  status.add("times that poses were left out", times);
-  if (times == std::exchange(times_behind_told_, times)) return;
-  status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
-                      "this machine cannot keep up with tf: poses are left out");
 }
 
 }  // namespace organ_collision::node

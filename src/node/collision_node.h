@@ -1,11 +1,7 @@
 #pragma once
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
-#include <organ_collision/ContactArray.h>
-#include <organ_collision/MeshUpdate.h>
 #include <organ_collision/OrganCollisionConfig.h>
-#include <organ_collision/ProximityArray.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <tf2/buffer_core.h>
@@ -18,13 +14,16 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "node/contact_cycle.h"
-#include "node/incidents.h"
+#include "node/cycle.h"
+#include "node/diagnostics.h"
 #include "node/log_limit.h"
+#include "node/marker_publisher.h"
 #include "node/master_watch.h"
+#include "node/mesh_update_intake.h"
 #include "node/proximity_cycle.h"
-#include "node/sequence_gaps.h"
 #include "node/services.h"
 #include "node/signal.h"
 #include "node/transform_intake.h"
@@ -49,13 +48,6 @@ class CollisionNode {
   void run();
 
  private:
-  /// What run() found last.
-  struct Cycle {
-    ContactArray contacts;
-    ProximityArray proximities;
-    std::vector<Complaint> complaints;
-  };
-
   void hearTf(const std::string& topic, bool is_static);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
@@ -63,17 +55,8 @@ class CollisionNode {
   std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
 
-  void takeMeshUpdate(const ros::MessageEvent<MeshUpdate const>& event);
-  std::uint32_t missedBefore(const ros::MessageEvent<MeshUpdate const>& event);
-  void enqueue(Organ& organ, const MeshUpdate& update);
   void updateOrgans();
   void publishMeshInfo();
-  void publishMarkers();
-  void publishDiagnostics();
-  void checkMaster();
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void warnOfHealth(const std::string& organ, const OrganSnapshot& snapshot);
-  void diagnoseHaste(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const io::Scene scene_;
   const Organs organs_;
@@ -89,9 +72,7 @@ class CollisionNode {
   ProximityCycle proximity_cycle_;                  // run() alone
   std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
 
-  std::atomic<std::uint64_t> times_behind_{0};  // that poses were left out
-
-  Incidents tf_complaints_, update_refusals_;
+  Troubles troubles_;
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
@@ -99,31 +80,22 @@ class CollisionNode {
 
   boost::recursive_mutex reconfigure_mutex_;
   dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;
-  diagnostic_updater::Updater diagnostics_;
-  std::uint64_t times_behind_told_ = 0;                          // diagnose() alone
-  std::map<std::string, std::vector<std::string>> health_told_;  // by organ; diagnose() alone
-  LogLimit health_log_;                                          // diagnose() alone
-  ros::Publisher contacts_publisher_, proximities_publisher_, markers_publisher_,
-      mesh_info_publisher_;
+  ros::Publisher contacts_publisher_, proximities_publisher_, mesh_info_publisher_;
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
-  std::map<std::string, std::uint32_t> drawn_versions_;  // publishMarkers() alone
-  ros::SteadyTime surfaces_drawn_;                       // publishMarkers() alone
+  MarkerPublisher markers_;     // of a timer alone
+  Diagnostics diagnostics_;     // of a timer alone
 
   const std::shared_ptr<Signal> organs_wait_ = std::make_shared<Signal>();  // for updater_
   std::atomic<bool> stopping_{false};
   std::thread updater_;
 
-  ros::CallbackQueue update_queue_;   // worked off by update_spinner_ alone
-  SequenceGaps update_gaps_;          // update_spinner_ alone
-  std::uint64_t missed_updates_ = 0;  // and not yet counted; update_spinner_ alone
-  LogLimit update_log_;               // update_spinner_ alone
-  ros::Subscriber mesh_update_subscriber_;
+  MeshUpdateIntake mesh_updates_;
   ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;
   MasterWatch master_watch_;  // of a timer alone
   std::vector<ros::SteadyTimer> timers_;
   // Last: their threads end before what they use.
-  ros::AsyncSpinner update_spinner_, change_spinner_, spinner_;
+  ros::AsyncSpinner change_spinner_, spinner_;
 };
 
 }  // namespace organ_collision::node

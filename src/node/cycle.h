@@ -1,0 +1,19 @@
+#pragma once
+
+#include <organ_collision/ContactArray.h>
+#include <organ_collision/ProximityArray.h>
+
+#include <vector>
+
+#include "node/pair_pose.h"
+
+namespace organ_collision::node {
+
+/// What the node found at a time.
+struct Cycle {
+  ContactArray contacts;
+  ProximityArray proximities;  // none where the scene has no such pairs
+  std::vector<Complaint> complaints;
+};
+
+}  // namespace organ_collision::node

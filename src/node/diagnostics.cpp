@@ -1,0 +1,99 @@
+#include "node/diagnostics.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace organ_collision::node {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+/// A warning each time that there are more of them.
+void diagnoseNews(const std::string& what, Incidents& incidents,
+                  diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const Incidents::News news = incidents.takeNews();
+  status.add(what, news.count);
+  if (news.more == 0) return;
+  status.mergeSummary(DiagnosticStatus::WARN,
+                      what + ": " + std::to_string(news.more) + ", the last " + news.last);
+}
+
+}  // namespace
+
+Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                         const Organs& organs, Troubles& troubles,
+                         std::function<std::shared_ptr<const Cycle>()> last_cycle)
+    : organs_(organs),
+      troubles_(troubles),
+      last_cycle_(std::move(last_cycle)),
+      updater_(node, private_node, ros::this_node::getName()) {
+  for (const auto& organ : organs)
+    health_told_.push_back(core::warnings(organ->snapshot()->organ.health()));
+  updater_.setHardwareID("none");
+  updater_.add("contacts", this, &Diagnostics::diagnose);
+}
+
+/// Not update(), which waits for ROS time: that may stand still or jump back.
+void Diagnostics::publish() { updater_.force_update(); }
+
+void Diagnostics::diagnose(Status& status) {
+  const std::shared_ptr<const Cycle> cycle = last_cycle_();
+  status.summary(DiagnosticStatus::OK, "contacts flow");
+  for (const Complaint& complaint : cycle->complaints) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        complaint.first + " to " + complaint.second + ": " + complaint.reason);
+  }
+  if (ros::Time::isSimTime() && ros::Time::now().isZero())
+    status.mergeSummary(DiagnosticStatus::WARN, "use_sim_time is set, but /clock stands at 0");
+  diagnoseHaste(status);
+  diagnoseNews("complaints about tf", troubles_.tf_complaints, status);
+  diagnoseNews("mesh updates refused", troubles_.update_refusals, status);
+  status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
+  for (std::size_t i = 0; i < organs_.size(); ++i) diagnoseOrgan(i, status);
+}
+
+/// A warning each time that it happened again.
+void Diagnostics::diagnoseHaste(Status& status) {
+  const std::uint64_t times = troubles_.times_behind;
+  status.add("times that poses were left out", times);
+  if (times == std::exchange(times_behind_told_, times)) return;
+  status.mergeSummary(DiagnosticStatus::WARN,
+                      "this machine cannot keep up with tf: poses are left out");
+}
+
+void Diagnostics::diagnoseOrgan(std::size_t number, Status& status) {
+  Organ& organ = *organs_[number];
+  const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
+  std::vector<std::string> sentences = core::warnings(snapshot->organ.health());
+  for (const std::string& sentence : sentences)
+    status.mergeSummary(DiagnosticStatus::WARN, organ.name() + ": " + sentence);
+  warnOfHealth(number, std::move(sentences));
+  status.add(organ.name() + " mesh version", snapshot->version);
+  status.add(organ.name() + " last action", snapshot->reason);
+  const Organ::Builds builds = organ.builds();
+  status.add(organ.name() + " builds", builds.count);
+  status.add(organ.name() + " last build", builds.reason);
+  status.add(organ.name() + " since then", builds.figures);
+  if (!builds.failure.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        organ.name() + " could not be rebuilt: " + builds.failure);
+  }
+  status.add(organ.name() + " cost ratio", organ.costRatio());
+  const Organ::Counters counters = organ.counters();
+  status.add(organ.name() + " updates merged", counters.updates_merged);
+  status.add(organ.name() + " updates lost", counters.updates_lost);
+}
+
+/// What an update has brought with it; the rest was told when the organ was loaded.
+void Diagnostics::warnOfHealth(std::size_t organ, std::vector<std::string> sentences) {
+  const std::vector<std::string>& known = health_told_[organ];
+  const std::string since = "'" + organs_[organ]->name() + "', since it was updated: ";
+  for (const std::string& sentence : sentences) {
+    if (std::count(known.begin(), known.end(), sentence) > 0) continue;
+    const std::string warning = since + sentence;
+    if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
+  }
+  health_told_[organ] = std::move(sentences);
+}
+
+}  // namespace organ_collision::node

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "node/cycle.h"
+#include "node/incidents.h"
+#include "node/log_limit.h"
+#include "node/organ.h"
+
+namespace organ_collision::node {
+
+/// What goes wrong between two cycles, noted by any thread.
+struct Troubles {
+  Incidents tf_complaints, update_refusals;
+  std::atomic<std::uint64_t> times_behind{0};  ///< that poses were left out
+};
+
+/// Tells /diagnostics, and the log of an organ's health, what is wrong. For one thread.
+class Diagnostics {
+ public:
+  /// Organs and troubles must outlive this.
+  Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+              const Organs& organs, Troubles& troubles,
+              std::function<std::shared_ptr<const Cycle>()> last_cycle);
+
+  void publish();
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+  void diagnose(Status& status);
+  void diagnoseHaste(Status& status);
+  void diagnoseOrgan(std::size_t number, Status& status);
+  void warnOfHealth(std::size_t organ, std::vector<std::string> sentences);
+
+  const Organs& organs_;
+  Troubles& troubles_;
+  const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
+  std::uint64_t times_behind_told_ = 0;
+  std::vector<std::vector<std::string>> health_told_;  // of the organs
+  LogLimit health_log_;
+  diagnostic_updater::Updater updater_;
+};
+
+}  // namespace organ_collision::node

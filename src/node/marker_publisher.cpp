@@ -1,0 +1,47 @@
+#include "node/marker_publisher.h"
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "node/markers.h"
+
+namespace organ_collision::node {
+namespace {
+
+constexpr double kAllPeriod = 2.0;  // [s]
+constexpr unsigned kQueue = 2;
+
+}  // namespace
+
+MarkerPublisher::MarkerPublisher(const io::Scene& scene, const Instruments& instruments,
+                                 const Organs& organs)
+    : scene_(scene), instruments_(instruments), organs_(organs), drawn_versions_(organs.size()) {}
+
+void MarkerPublisher::advertise(ros::NodeHandle& node) {
+  publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", kQueue);
+}
+
+void MarkerPublisher::publish(const Cycle& cycle) {
+  if (publisher_.getNumSubscribers() == 0) return;
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  const bool draws_all = (now - all_drawn_).toSec() > kAllPeriod;
+  if (draws_all) all_drawn_ = now;
+  visualization_msgs::MarkerArray markers = contactMarkers(cycle.contacts, scene_, organs_);
+  const auto add = [&markers](visualization_msgs::MarkerArray more) {
+    std::move(more.markers.begin(), more.markers.end(), std::back_inserter(markers.markers));
+  };
+  add(proximityMarkers(cycle.proximities));
+  for (std::size_t i = 0; i < organs_.size(); ++i) {
+    const std::uint32_t version = organs_[i]->snapshot()->version;
+    if (std::exchange(drawn_versions_[i], version) != version || draws_all)
+      add(organMarkers(*organs_[i]));
+  }
+  for (std::size_t i = 0; draws_all && i < instruments_.size(); ++i)
+    add(instrumentMarkers(instruments_, i));
+  publisher_.publish(markers);
+}
+
+}  // namespace organ_collision::node

@@ -1,0 +1,74 @@
+#include "node/mesh_update_intake.h"
+
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "node/conversions.h"
+
+namespace organ_collision::node {
+namespace {
+
+/// Taken in faster than they come: each is only added to what waits.
+constexpr unsigned kQueue = 100;
+
+bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
+  const auto entry = event.getConnectionHeader().find("latching");
+  return entry != event.getConnectionHeader().end() && entry->second == "1";
+}
+
+}  // namespace
+
+MeshUpdateIntake::MeshUpdateIntake(const Organs& organs, Incidents& refusals,
+                                   std::function<void()> publish_mesh_info)
+    : organs_(organs),
+      refusals_(refusals),
+      publish_mesh_info_(std::move(publish_mesh_info)),
+      spinner_(1, &queue_) {}
+
+void MeshUpdateIntake::subscribe(ros::NodeHandle node) {
+  node.setCallbackQueue(&queue_);
+  subscriber_ = node.subscribe("mesh_update", kQueue, &MeshUpdateIntake::take, this,
+                               ros::TransportHints().tcpNoDelay());
+  spinner_.start();
+}
+
+void MeshUpdateIntake::take(const Event& event) {
+  const MeshUpdate& update = *event.getConstMessage();
+  missed_ += missedBefore(event);
+  try {
+    Organ& organ = organNamed(organs_, update.organ);
+    organ.countLostUpdates(std::exchange(missed_, 0));  // its own, most likely
+    enqueue(organ, update);
+  } catch (const std::exception& error) {
+    std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
+                          event.getPublisherName() + ": " + error.what();
+    if (log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
+    refusals_.note(std::move(refusal));
+  }
+}
+
+/// How many updates of this one's publisher did not come.
+std::uint32_t MeshUpdateIntake::missedBefore(const Event& event) {
+  const std::string& publisher = event.getPublisherName();
+  const std::uint32_t missed = gaps_.before(publisher, event.getConstMessage()->header.seq);
+  // rospy counts up for each one that subscribes to what is latched.
+  if (missed == 0 || isLatched(event)) return 0;
+  const std::string loss =
+      std::to_string(missed) + " mesh updates of " + publisher + " were lost on the way here";
+  if (log_.allows(loss)) ROS_WARN("%s", loss.c_str());
+  return missed;
+}
+
+void MeshUpdateIntake::enqueue(Organ& organ, const MeshUpdate& update) {
+  try {
+    organ.requireFrame(update.header.frame_id);
+    organ.enqueue(movesFrom(update));
+  } catch (const std::exception&) {
+    organ.countLostUpdates(1);
+    publish_mesh_info_();
+    throw;
+  }
+}
+
+}  // namespace organ_collision::node
