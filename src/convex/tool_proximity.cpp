@@ -1,7 +1,6 @@
 #include "convex/tool_proximity.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "convex/hull_distance.h"
 #include "organ_collision/core/unit_frame.h"

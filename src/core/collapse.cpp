@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/for_each.h"
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 
 namespace organ_collision::core {
 namespace {

@@ -175,8 +175,7 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
     all_signed = all_signed && piece.nearest.distance_signed;
     lower_bound = std::min(lower_bound, piece.nearest.lower_bound);
     deepest = std::min(deepest, deepestOf(piece.nearest, shapes[i]));
-    work.bounds += piece.nearest.work.bounds;
-    work.triangles += piece.nearest.work.triangles;
+    work += piece.nearest.work;
     if (isNearer(piece, whole)) whole = piece;
   }
   whole.nearest.lower_bound = lower_bound;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/huge_pages.h"
 

@@ -11,7 +11,7 @@
 
 #include "core/few_points.h"
 #include "core/for_each.h"
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 #include "organ_collision/core/farthest_pair.h"
 #include "organ_collision/core/huge_pages.h"
 

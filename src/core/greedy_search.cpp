@@ -4,7 +4,7 @@
 #include <bitset>
 #include <optional>
 
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 
 namespace organ_collision::core {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "core/descent.h"
+#include "core/kernels/descent.h"
 #include "organ_collision/core/collision_mesh.h"
 
 namespace organ_collision::core {

@@ -35,13 +35,8 @@ Box boxAround(const RoundShape& shape) {
 }
 
 Box boxAround(const RigidMesh& mesh) {
-  const Box& surface = mesh.surface->health().box;
   Box box;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    box.add(mesh.pose * Vector3d((corner & 1U) != 0 ? surface.low.x() : surface.high.x(),
-                                 (corner & 2U) != 0 ? surface.low.y() : surface.high.y(),
-                                 (corner & 4U) != 0 ? surface.low.z() : surface.high.z()));
-  }
+  for (const Vector3d& corner : cornersOf(mesh.surface->health().box)) box.add(mesh.pose * corner);
   return box;
 }
 
@@ -73,7 +68,7 @@ Box boxOf(const Shapes& shapes, const Eigen::Isometry3d& target_from_shapes) {
 void requireUsable(const Shape& shape) {
   if (const auto* mesh = std::get_if<RigidMesh>(&shape)) return requireUsableMesh(*mesh);
   const auto [core, radius] = *roundShape(shape);
-  for (const Vector3d* corner : {&core.a, &core.b, &core.c}) requireUsable(*corner, "tip", 0);
+  requireUsable(core);
   if (radius >= 0.0 && radius < kLargestCoordinate) return;
   throw std::invalid_argument("radius is " + std::to_string(radius) +
                               ": it must be >= 0 and below 1e150");

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <sstream>
 
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 
 namespace organ_collision::core {
 namespace {

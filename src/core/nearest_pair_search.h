@@ -1,184 +1,45 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
-#include "core/greedy_search.h"
-#include "core/kernels.h"
-#include "core/nearest_search.h"
-#include "core/rigid_pose.h"
+#include "core/kernels/pair_search.h"
 #include "organ_collision/core/nearest_pair.h"
-#include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
 
-// A search for the nearest triangles of two surfaces, between the kernels, which know no organ, and
-// the public functions.
 namespace organ_collision::core {
 
 /// [m] How far a corner of the first surface, moved by the pose or back, may be from where it is.
 double poseRounding(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,
                     const CollisionMesh& second);
 
-AffineMap affineMap(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset);
-
-/// Room for the pairs that wait while two trees of that many levels together are searched; the
-/// calling thread's.
-std::vector<WaitingPair>& pairScratch(std::size_t levels);
-
-/// Farther than this many sizes of a surface from it, all of its triangles are equally far but for
-/// rounding of 4*u*extent: any of them will do.
-constexpr double kTooFar = 0x1p60;
-
+/// A search for the nearest triangles of two surfaces, between the kernels, which know no organ,
+/// and the public functions.
 class NearestPairSearch : protected PairSearch {
  public:
   NearestPairSearch(const CollisionMesh& first_surface, const Eigen::Isometry3d& pose,
-                    const CollisionMesh& second_surface, const Accuracy& accuracy)
-      : PairSearch(),
-        first_(first_surface),
-        second_(second_surface),
-        pose_(pose),
-        is_limited_(accuracy.max_leaves != 0) {
-    first = {first_.wideTree().nodes().data(), first_.wideTree().packets().data()};
-    second = {second_.wideTree().nodes().data(), second_.wideTree().packets().data()};
-    placeFrames();
-    pairs_left = is_limited_ ? accuracy.max_leaves : std::numeric_limits<std::uint32_t>::max();
-    // A packet is a level too.
-    stack = pairScratch(first_.wideTree().depth() + second_.wideTree().depth() + 2).data();
-    PairSearch::measure = [](PairSearch& search, FarthestPairTree::Leaf leaf_of_first,
-                             FarthestPairTree::Leaf leaf_of_second) {
-      static_cast<NearestPairSearch&>(search).measure(leaf_of_first, leaf_of_second);
-    };
-    share = 1.0 / (1.0 + accuracy.max_relative_error);
-    allowance = accuracy.max_absolute_error * second_.wideTree().frame().scale;
-    best = unopened = std::numeric_limits<double>::infinity();
-  }
+                    const CollisionMesh& second_surface, const Accuracy& accuracy);
 
-  NearestPair run() {
-    measureGreedily();
-    if (areAllAlike()) {
-      measure(0, 0);
-      return answer();
-    }
-    if (!is_limited_) measureToAndFro();
-    if (!isTooFar()) {
-      kernels().walkPairs(*this);
-    } else if (is_limited_) {
-      unopened = 0.0;
-    }
-    return answer();
-  }
+  NearestPair run();
 
  protected:
   /// From at least one of them: then going to and fro tells as much as can be told.
-  bool isTooFar() const {
-    return !(largestCoordinate(second_from_first.offset) < kTooFar) ||
-           !(largestCoordinate(first_from_second.offset) < kTooFar);
-  }
+  bool isTooFar() const;
 
   /// Of two surfaces that have shrunk to points, all triangles are equally far, bit for bit.
-  bool areAllAlike() const {
-    const auto is_point = [](const Box& box) { return box.low == box.high; };
-    return is_point(first_.health().box) && is_point(second_.health().box);
-  }
-
-  static double largestCoordinate(const std::array<double, 3>& v) {
-    return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
-  }
-
-  void placeFrames() {
-    const UnitFrame& from = first_.wideTree().frame();
-    const UnitFrame& to = second_.wideTree().frame();
-    const double ratio = to.scale / from.scale;
-    const Eigen::Matrix3d linear = pose_.linear();
-    const Eigen::Matrix3d inverse = linear.inverse();
-    const Eigen::Vector3d between = to.centre - pose_.translation();
-    second_from_first = affineMap(ratio * linear, to.scale * (linear * from.centre - between));
-    first_from_second = affineMap(inverse / ratio, from.scale * (inverse * between - from.centre));
-    const double stretch = stretchOf(linear);
-    least_scale = ratio * std::sqrt(1.0 - stretch) * (1.0 - 0x1p-20);
-    largest_scale = ratio * std::sqrt(1.0 + stretch);
-    rounding = to.scale * poseRounding(first_, pose_, second_);
-  }
-
-  Triangle ofFirst(FarthestPairTree::Leaf leaf) const {
-    const auto [a, b, c] = first_.mesh().triangle(first_.wideTree().corners()[leaf]);
-    return {pose_ * a, pose_ * b, pose_ * c};
-  }
-  Triangle ofSecond(FarthestPairTree::Leaf leaf) const {
-    return second_.mesh().triangle(second_.wideTree().corners()[leaf]);
-  }
+  bool areAllAlike() const;
 
   /// The triangle to which the paper's search leads from the other surface, and back.
-  void measureGreedily() {
-    const Box& box = first_.health().box;
-    const Eigen::Vector3d middle = pose_ * (box.low + 0.5 * (box.high - box.low));
-    const GreedyPath there = greedySearch(second_, middle);
-    const Eigen::Vector3d target = pose_.inverse(Eigen::Affine) * centroid(ofSecond(there.end));
-    const GreedyPath back = greedySearch(first_, target);
-    bounds += there.splits + back.splits;
-    measure(back.end, there.end);
-    ++triangles;
-    --pairs_left;
-  }
+  void measureGreedily();
 
   /// From a point of one surface to the nearest of the other, and back: where that leads, a search
   /// has little left to do.
-  void measureToAndFro() {
-    constexpr int kTurns = 3;
-    const Eigen::Isometry3d back(pose_.inverse(Eigen::Affine));
-    double before = std::numeric_limits<double>::infinity();
-    for (int turn = 0; turn < kTurns && best > 0.0 && best < before; ++turn) {
-      before = best;
-      const auto there = nearestTo(second_, pair_.point_on_first);
-      const auto here = nearestTo(first_, back * there.closest.point);
-      measure(first_.wideTree().leafOf(here.triangle), second_.wideTree().leafOf(there.triangle));
-    }
-  }
+  void measureToAndFro();
 
-  NearestTriangle nearestTo(const CollisionMesh& surface, const Eigen::Vector3d& point) {
-    NearestTriangle nearest =
-        NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact(), Sign::kNone).run();
-    bounds += nearest.work.bounds;
-    triangles += nearest.work.triangles;
-    return nearest;
-  }
+  void measure(FarthestPairTree::Leaf leaf_of_first, FarthestPairTree::Leaf leaf_of_second);
 
-  void measure(FarthestPairTree::Leaf leaf_of_first, FarthestPairTree::Leaf leaf_of_second) {
-    const ClosestPair candidate = closestPoints(ofFirst(leaf_of_first), ofSecond(leaf_of_second));
-    const double squared_distance = candidate.on_second.squared_distance;
-    const std::pair<FarthestPairTree::Leaf, FarthestPairTree::Leaf> leaves = {leaf_of_first,
-                                                                              leaf_of_second};
-    if (squared_distance > squared_best_ ||
-        (squared_distance == squared_best_ && leaves > best_leaves_))
-      return;
-    pair_ = candidate;
-    best_leaves_ = leaves;
-    squared_best_ = squared_distance;
-    best = std::min(best, std::sqrt(squared_distance) * second_.wideTree().frame().scale);
-    const Eigen::Vector3d along = candidate.on_second.offset.stableNormalized();
-    way = {along.x(), along.y(), along.z()};
-  }
-
-  NearestPair answer() const {
-    const double distance = std::sqrt(squared_best_);
-    const TriangleId triangle = second_.tree().triangle(best_leaves_.second);
-    const double lower_bound =
-        std::max(0.0, std::min(distance, unopened / second_.wideTree().frame().scale));
-    return {first_.tree().triangle(best_leaves_.first),
-            {triangle,
-             pair_.on_second,
-             pair_.point_on_first,
-             pseudonormal(second_, triangle, pair_.on_second.feature),
-             distance,
-             lower_bound,
-             distance,
-             false,
-             {bounds, triangles}}};
-  }
+  NearestPair answer() const;
 
   const CollisionMesh& first_;
   const CollisionMesh& second_;
@@ -187,10 +48,12 @@ class NearestPairSearch : protected PairSearch {
   ClosestPair pair_ = {};
   std::pair<FarthestPairTree::Leaf, FarthestPairTree::Leaf> best_leaves_ = {};
   double squared_best_ = std::numeric_limits<double>::infinity();
-};
 
-/// Adds what the solids tell: the sign where it is proven.
-NearestPair withSign(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,
-                     const CollisionMesh& second, NearestPair pair);
+ private:
+  void placeFrames();
+  Triangle ofFirst(FarthestPairTree::Leaf leaf) const;
+  Triangle ofSecond(FarthestPairTree::Leaf leaf) const;
+  NearestTriangle nearestTo(const CollisionMesh& surface, const Eigen::Vector3d& point);
+};
 
 }  // namespace organ_collision::core

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
-#include <vector>
 
 #include "core/greedy_search.h"
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/core/sign.h"
 #include "organ_collision/core/triangle_distance.h"
@@ -80,7 +79,7 @@ template <class Tip>
 class NearestSearch : protected Search {
  public:
   NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign)
-      : organ_(organ), tip_(tip), accuracy_(accuracy), scale_(organ.wideTree().frame().scale) {
+      : organ_(organ), tip_(tip), scale_(organ.wideTree().frame().scale) {
     const WideTree& tree = organ.wideTree();
     nodes = tree.nodes().data();
     splits = tree.guide().nodes.data();
@@ -109,7 +108,7 @@ class NearestSearch : protected Search {
   }
 
   NearestTriangle run() {
-    if (accuracy_.max_leaves != 0) {
+    if (sparing) {
       const GreedyPath greedy = greedySearch(organ_, tip_.routingPoint());
       measure(greedy.end);
       bounds += greedy.splits;
@@ -241,7 +240,6 @@ class NearestSearch : protected Search {
 
   const CollisionMesh& organ_;
   const Tip& tip_;
-  const Accuracy& accuracy_;
   const double scale_;
   ClosestPair pair_;
   double squared_best_ = std::numeric_limits<double>::infinity();

@@ -5,8 +5,10 @@
 #include <limits>
 #include <optional>
 
+#include "core/kernels/kernels.h"
 #include "core/mesh_state.h"
 #include "core/nearest_pair_search.h"
+#include "core/pair_sign.h"
 #include "core/rigid_pose.h"
 
 namespace organ_collision::core {
@@ -30,13 +32,13 @@ constexpr std::uint32_t kManyPairs = 320;
 /// Steps that what is followed must last for, to be worth it.
 constexpr double kWorthSteps = 4.0;
 
-template <class Memory>
-class TrackedPairSearch : private NearestPairSearch {
+}  // namespace
+
+class PairTracker::Search : private NearestPairSearch {
  public:
-  TrackedPairSearch(const CollisionMesh& first_surface, double travel_of_first,
-                    const Eigen::Isometry3d& pose, const CollisionMesh& second_surface,
-                    double travel_of_second, Memory& memory)
-      : NearestPairSearch(first_surface, pose, second_surface, kExact),
+  Search(const CollisionMesh& first_surface, double travel_of_first, const Eigen::Isometry3d& pose,
+         const CollisionMesh& second_surface, double travel_of_second, Memory& memory)
+      : NearestPairSearch(first_surface, pose, second_surface, Accuracy::exact()),
         first_state_(first_surface, travel_of_first),
         second_state_(second_surface, travel_of_second),
         memory_(memory) {}
@@ -58,7 +60,6 @@ class TrackedPairSearch : private NearestPairSearch {
   }
 
  private:
-  static constexpr Accuracy kExact = {};
   static constexpr double kSlackStep = 1.25;
   /// Sizes of a triangle, of those that would fill the second's box, at first.
   static constexpr double kFirstSlack = 0.125;
@@ -72,14 +73,9 @@ class TrackedPairSearch : private NearestPairSearch {
     if (!memory_.knows_pair || !of_first || !of_second ||
         memory_.scale != second_.wideTree().frame().scale)
       return std::nullopt;
-    const Box& box = first_.health().box;
     double farthest = 0.0;
-    for (unsigned corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d at((corner & 1U) != 0 ? box.high.x() : box.low.x(),
-                               (corner & 2U) != 0 ? box.high.y() : box.low.y(),
-                               (corner & 4U) != 0 ? box.high.z() : box.low.z());
-      farthest = std::max(farthest, (pose_ * at - memory_.pose * at).stableNorm());
-    }
+    for (const Eigen::Vector3d& corner : cornersOf(first_.health().box))
+      farthest = std::max(farthest, (pose_ * corner - memory_.pose * corner).stableNorm());
     constexpr double kStretch = 1.0 + 0x1p-4;  // see requireRigid()
     const double travel = kStretch * *of_first + *of_second;
     // Where the corners are is off by as much as where triangles are, before and after.
@@ -130,8 +126,6 @@ class TrackedPairSearch : private NearestPairSearch {
   Memory& memory_;
 };
 
-}  // namespace
-
 PairTracker::PairTracker() = default;
 PairTracker::~PairTracker() = default;
 PairTracker::PairTracker(PairTracker&&) noexcept = default;
@@ -143,9 +137,7 @@ NearestPair PairTracker::nearestPair(const CollisionMesh& first, double travel_o
   requireRigid(second_from_first);
   if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
   const std::optional<NearestPair> pair =
-      TrackedPairSearch(first, travel_of_first, second_from_first, second, travel_of_second,
-                        *memory_)
-          .run();
+      Search(first, travel_of_first, second_from_first, second, travel_of_second, *memory_).run();
   memory_->knows_pair = pair.has_value();
   // Of all triangles that meet a search names any.
   if (!pair) return core::nearestPair(first, second_from_first, second);

@@ -154,8 +154,8 @@ Proximity united(const Proximity& one, const Proximity& other) {
   nearer.upper_bound = std::min(one.upper_bound, other.upper_bound);
   nearer.colliding = one.colliding || other.colliding;
   nearer.colliding_certain = nearer.colliding || certain;
-  nearer.work.bounds = one.work.bounds + other.work.bounds;
-  nearer.work.triangles = one.work.triangles + other.work.triangles;
+  nearer.work = one.work;
+  nearer.work += other.work;
   return nearer;
 }
 

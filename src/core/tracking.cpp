@@ -10,9 +10,11 @@
 
 namespace organ_collision::core {
 
+namespace {
+
 /// Whether to follow on: where triangles are small for the tip's steps, it costs more than it
 /// saves. Then it is tried again after ever longer rests, in which tips are searched for.
-class Tracker::Patience {
+class Patience {
  public:
   void noteHit() { ++hits_; }
   /// After a miss.
@@ -37,6 +39,8 @@ class Tracker::Patience {
   std::uint32_t left_ = 0;                           // of it
 };
 
+}  // namespace
+
 /// Of the last query.
 struct Tracker::Memory {
   Front front;  // in the unit frame, of the splits of `organ`; perhaps none
@@ -54,14 +58,11 @@ struct Tracker::Memory {
   Feature feature;
 };
 
-namespace {
-
-template <class Tip, class Memory>
-class TrackedSearch : private NearestSearch<Tip> {
+template <class Tip>
+class Tracker::Search : private NearestSearch<Tip> {
  public:
-  TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
-                Memory& memory)
-      : NearestSearch<Tip>(organ, tip, kExact, sign),
+  Search(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign, Memory& memory)
+      : NearestSearch<Tip>(organ, tip, Accuracy::exact(), sign),
         sign_(sign),
         state_(organ, travel),
         memory_(memory),
@@ -98,7 +99,6 @@ class TrackedSearch : private NearestSearch<Tip> {
     return nearest;
   }
 
-  static constexpr Accuracy kExact = {};
   /// Sets that may be opened before the front is worn: all that is kept is looked at each time.
   static constexpr std::uint32_t kMostOpened = 16;
   /// In sizes of a triangle, of those that would fill the organ's box: tips that move farther are
@@ -207,8 +207,6 @@ class TrackedSearch : private NearestSearch<Tip> {
   const std::optional<Step> step_;
 };
 
-}  // namespace
-
 Tracker::Tracker() : memory_(std::make_unique<Memory>()) {}
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
@@ -217,13 +215,13 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return TrackedSearch(organ, PointTip(tip), travel, sign, *memory_).run();
+  return Search<PointTip>(organ, PointTip(tip), travel, sign, *memory_).run();
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
-  for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
-  return TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_).run();
+  requireUsable(tip);
+  return Search<TriangleTip>(organ, TriangleTip(tip), travel, sign, *memory_).run();
 }
 
 }  // namespace organ_collision::core

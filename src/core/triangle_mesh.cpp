@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 
 namespace organ_collision::core {
 namespace {

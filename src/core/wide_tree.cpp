@@ -5,12 +5,11 @@
 #include <array>
 #include <atomic>
 #include <climits>
-#include <cmath>
 #include <utility>
 
 #include "core/collapse.h"
 #include "core/for_each.h"
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 #include "core/node_splits.h"
 #include "core/vertex_lists.h"
 #include "organ_collision/core/predicates.h"

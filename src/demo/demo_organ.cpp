@@ -5,7 +5,6 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 

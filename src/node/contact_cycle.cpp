@@ -58,7 +58,7 @@ Contact ContactCycle::contactOf(const io::Pair& pair, const OrganSnapshot& snaps
   const bool is_late = pose.isLate(now, scene_.stale_after);
   const bool is_apart = !found.colliding && found.colliding_certain;  // else perhaps deep inside
   const bool is_far = is_apart && found.nearest.lower_bound > scene_.max_distance;
-  contact.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+  contact.status = statusOf(is_late, is_far);
   contact.nearest = is_far ? noNearestTriangle(found.nearest.lower_bound)
                            : toMessage(found.nearest, pose.sceneFromSecond());
   contact.instrument_point = toPoint(pose.sceneFromSecond() * found.nearest.tip_point);

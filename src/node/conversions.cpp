@@ -96,6 +96,18 @@ NearestTriangle noNearestTriangle(double lower_bound) {
   return message;
 }
 
+Proximity noProximity(double lower_bound) {
+  Proximity message;
+  message.distance = message.upper_bound = std::numeric_limits<double>::infinity();
+  message.lower_bound = lower_bound;
+  message.triangle_of_first = message.triangle_of_second = -1;
+  return message;
+}
+
+std::uint8_t statusOf(bool is_late, bool is_far) {
+  return is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+}
+
 Proximity toMessage(const core::Proximity& proximity) {
   const auto number = [](const std::optional<core::TriangleId>& triangle) {
     return triangle ? static_cast<std::int64_t>(*triangle) : -1;

@@ -4,6 +4,7 @@
 #include <geometry_msgs/Point.h>
 #include <geometry_msgs/Vector3.h>
 #include <organ_collision/Accuracy.h>
+#include <organ_collision/Contact.h>
 #include <organ_collision/GetMesh.h>
 #include <organ_collision/MeshInfo.h>
 #include <organ_collision/MeshUpdate.h>
@@ -35,6 +36,10 @@ NearestTriangle toMessage(const core::NearestTriangle& nearest,
 
 /// An answer that says nothing but that the distance is at least `lower_bound` [m].
 NearestTriangle noNearestTriangle(double lower_bound);
+Proximity noProximity(double lower_bound);
+
+/// Of an answer, in contacts and proximities alike.
+std::uint8_t statusOf(bool is_late, bool is_far);
 
 /// Without names, status and times.
 Proximity toMessage(const core::Proximity& proximity);

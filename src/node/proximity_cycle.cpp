@@ -1,10 +1,7 @@
 #include "node/proximity_cycle.h"
 
-#include <organ_collision/Contact.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "convex/tool_proximity.h"
 #include "node/conversions.h"
@@ -16,15 +13,6 @@ namespace {
 /// The organ as a shape, in its own frame.
 core::RigidMesh shapeOf(const std::shared_ptr<const OrganSnapshot>& snapshot) {
   return {{snapshot, &snapshot->organ}, Eigen::Isometry3d::Identity()};
-}
-
-/// Of a pair of which nothing is known but that its distance is at least `lower_bound` [m].
-Proximity unknown(double lower_bound) {
-  Proximity message;
-  message.distance = message.upper_bound = std::numeric_limits<double>::infinity();
-  message.lower_bound = lower_bound;
-  message.triangle_of_first = message.triangle_of_second = -1;
-  return message;
 }
 
 }  // namespace
@@ -91,21 +79,21 @@ template <class Measure>
 Proximity ProximityCycle::unlessFar(const Tracked& tracked, const core::Box& first,
                                     const core::Box& second, const Measure& measure) const {
   const double apart = std::sqrt(squaredDistance(first, second));
-  if (apart > scene_.max_distance) return unknown(apart);
+  if (apart > scene_.max_distance) return noProximity(apart);
   const core::Proximity found = measure();
-  if (found.lower_bound > scene_.max_distance) return unknown(found.lower_bound);
+  if (found.lower_bound > scene_.max_distance) return noProximity(found.lower_bound);
   return toMessage(core::transformed(found, tracked.pose.sceneFromSecond()));
 }
 
 Proximity ProximityCycle::proximityOf(Tracked& tracked, const OrganSnapshots& snapshots,
                                       const ros::Time& now, const core::Accuracy& accuracy) const {
-  Proximity message = unknown(0.0);
+  Proximity message = noProximity(0.0);
   message.status = Contact::NO_POSE;
   if (tracked.pose.isKnown()) {
     const bool is_late = tracked.pose.isLate(now, scene_.stale_after);
     message = measure(tracked, snapshots, accuracy);
     const bool is_far = message.lower_bound > scene_.max_distance;
-    message.status = is_late ? Contact::STALE : is_far ? Contact::OUT_OF_RANGE : Contact::OK;
+    message.status = statusOf(is_late, is_far);
     message.colliding_certain = message.colliding_certain || is_far;
     message.stamp = tracked.pose.stamp();
     message.age = tracked.pose.age(now);

@@ -2,8 +2,8 @@
 
 #include <ros/node_handle.h>
 
-#include "node/contact_cycle.h"
 #include "node/instrument.h"
+#include "node/organ.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {

@@ -10,16 +10,18 @@
 
 namespace organ_collision::node {
 
-/// Puts into tf's buffer what comes from /tf and /tf_static, but for what would spoil it. Where
-/// time runs backwards (a bag that loops, a simulation that is reset) all that moves is forgotten,
-/// as tf2_ros does. A transform ahead of the clock is refused, as tf2_ros does not: the buffer
-/// drops what is much older than its newest entry, so one from the future, or one sent before a
-/// reset and heard after it, would shut out the true ones until their time has come. So is one on
-/// /tf without a stamp: tf2 would keep the first of them for ever. So is what is no transform at
-/// all, and what moves a frame that was static, or the other way round: tf2 takes a frame for what
-/// it was first, and would call it static for ever, or old. So is what has the stamp of the
-/// newest, or is older than what tf keeps: tf2 drops it, and fills the console. Rotations are
-/// normalized.
+/// Puts into tf's buffer what comes from /tf and /tf_static, rotations normalized. Where time runs
+/// backwards (a bag that loops, a simulation that is reset) all that moves is forgotten, as tf2_ros
+/// does. What would spoil the buffer is refused:
+/// - a transform ahead of the clock, which tf2_ros takes: the buffer drops what is much older than
+///   its newest entry, so one from the future, or one sent before a reset and heard after it, would
+///   shut out the true ones until their time has come;
+/// - one on /tf without a stamp: tf2 would keep the first of them for ever;
+/// - what is no transform at all;
+/// - what moves a frame that was static, or the other way round: tf2 takes a frame for what it was
+///   first, and would call it static for ever, or old;
+/// - what has the stamp of the frame's newest, or is older than what tf keeps: tf2 drops it, and
+///   fills the console.
 class TransformIntake {
  public:
   static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ

@@ -23,7 +23,7 @@ using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_bac
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
                                            boost::multiprecision::et_off>;
 
-/// A rational number >= 0 or a sign's carrier; never reduced.
+/// A rational number; never reduced.
 struct Fraction {
   Integer numerator = 0;
   Integer denominator = 1;  ///< > 0

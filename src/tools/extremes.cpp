@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/primitive_mesh.h"
 #include "organ_collision/core/box.h"
 #include "reference/triangle_pairs.h"
 
@@ -118,15 +119,7 @@ TriangleMesh ball() {
 }
 
 /// The box [-1, 1]^3.
-TriangleMesh cube() {
-  Points points;
-  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7})
-    points.emplace_back(2 * (i & 1) - 1, 2 * (i >> 1 & 1) - 1, 2 * (i >> 2) - 1);
-  return {points,
-          {corners(0, 2, 1), corners(1, 2, 3), corners(4, 5, 6), corners(5, 7, 6), corners(0, 1, 4),
-           corners(1, 5, 4), corners(2, 6, 3), corners(3, 6, 7), corners(0, 4, 2), corners(2, 4, 6),
-           corners(1, 3, 5), corners(3, 7, 5)}};
-}
+TriangleMesh cube() { return io::boxMesh(Vector3d::Constant(2)); }
 
 /// Tetrahedra at the powers of 8 from 2^-120 to 2^120 m, each an eighth as long as it is far.
 TriangleMesh exponentialTetrahedra() {

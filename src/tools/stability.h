@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "extremes.h"
 #include "organ_collision/core/nearest_triangle.h"

@@ -123,79 +123,48 @@ std::string recommendationFor(const std::string& where, const BandList& bands) {
   return lines + "  for the exact answer: " + inWords(dial().size() - 1, bands) + "\n";
 }
 
-std::vector<std::string> csvRow(const Trade& trade, const BandTrade& band, std::size_t s) {
+/// One number of a row.
+struct Cell {
+  std::string column, value;
+};
+
+std::vector<Cell> csvRow(const Trade& trade, const BandTrade& band, std::size_t s) {
   const Setting setting = dial()[s];
   const Summary& summary = band.summaries[s];
   const auto full = [](double value) { return significant(value, 9); };
   const auto mm = [&](double length) { return full(length * kMillimetres); };
-  return {band.name,
-          setting.name,
-          full(setting.accuracy.max_relative_error),
-          full(setting.accuracy.max_absolute_error),
-          std::to_string(setting.accuracy.max_leaves),
-          std::to_string(band.tipCount()),
-          full(summary.time_median * kMicroseconds),
-          full(summary.time_p99 * kMicroseconds),
-          full(summary.bounds),
-          full(summary.triangles),
-          full(summary.recall),
-          full(summary.recall_interval.low),
-          full(summary.recall_interval.high),
-          mm(summary.error_mean),
-          mm(summary.error_mean_interval.low),
-          mm(summary.error_mean_interval.high),
-          mm(summary.error_p50),
-          mm(summary.error_p99),
-          mm(summary.error_p99_interval.low),
-          mm(summary.error_p99_interval.high),
-          mm(summary.error_p999),
-          mm(summary.error_p999_limit),
-          mm(summary.error_max),
-          mm(summary.gap_mean),
-          mm(summary.gap_p99),
-          std::to_string(band.samples[s].violations),
-          std::to_string(trade.triangles),
-          std::to_string(trade.seed),
-          full(trade.costs.build * kMilliseconds),
-          full(trade.costs.refit * kMilliseconds),
-          full(trade.costs.rebuild * kMilliseconds),
-          full(trade.costs.memory)};
-}
-
-const std::vector<std::string>& csvHeader() {
-  static const std::vector<std::string> kHeader = {"band",
-                                                   "setting",
-                                                   "max_relative_error",
-                                                   "max_absolute_error [m]",
-                                                   "max_leaves",
-                                                   "tips",
-                                                   "time median [us]",
-                                                   "time p99 [us]",
-                                                   "bounds per query",
-                                                   "triangle tests per query",
-                                                   "recall",
-                                                   "recall low (95 %)",
-                                                   "recall high (95 %)",
-                                                   "error mean [mm]",
-                                                   "error mean low (95 %) [mm]",
-                                                   "error mean high (95 %) [mm]",
-                                                   "error p50 [mm]",
-                                                   "error p99 [mm]",
-                                                   "error p99 low (95 %) [mm]",
-                                                   "error p99 high (95 %) [mm]",
-                                                   "error p99.9 [mm]",
-                                                   "error p99.9 upper limit (95 %) [mm]",
-                                                   "error max [mm]",
-                                                   "proven gap mean [mm]",
-                                                   "proven gap p99 [mm]",
-                                                   "violations",
-                                                   "triangles",
-                                                   "seed",
-                                                   "build [ms]",
-                                                   "refit [ms]",
-                                                   "rebuild [ms]",
-                                                   "memory [bytes per triangle]"};
-  return kHeader;
+  return {{"band", band.name},
+          {"setting", setting.name},
+          {"max_relative_error", full(setting.accuracy.max_relative_error)},
+          {"max_absolute_error [m]", full(setting.accuracy.max_absolute_error)},
+          {"max_leaves", std::to_string(setting.accuracy.max_leaves)},
+          {"tips", std::to_string(band.tipCount())},
+          {"time median [us]", full(summary.time_median * kMicroseconds)},
+          {"time p99 [us]", full(summary.time_p99 * kMicroseconds)},
+          {"bounds per query", full(summary.bounds)},
+          {"triangle tests per query", full(summary.triangles)},
+          {"recall", full(summary.recall)},
+          {"recall low (95 %)", full(summary.recall_interval.low)},
+          {"recall high (95 %)", full(summary.recall_interval.high)},
+          {"error mean [mm]", mm(summary.error_mean)},
+          {"error mean low (95 %) [mm]", mm(summary.error_mean_interval.low)},
+          {"error mean high (95 %) [mm]", mm(summary.error_mean_interval.high)},
+          {"error p50 [mm]", mm(summary.error_p50)},
+          {"error p99 [mm]", mm(summary.error_p99)},
+          {"error p99 low (95 %) [mm]", mm(summary.error_p99_interval.low)},
+          {"error p99 high (95 %) [mm]", mm(summary.error_p99_interval.high)},
+          {"error p99.9 [mm]", mm(summary.error_p999)},
+          {"error p99.9 upper limit (95 %) [mm]", mm(summary.error_p999_limit)},
+          {"error max [mm]", mm(summary.error_max)},
+          {"proven gap mean [mm]", mm(summary.gap_mean)},
+          {"proven gap p99 [mm]", mm(summary.gap_p99)},
+          {"violations", std::to_string(band.samples[s].violations)},
+          {"triangles", std::to_string(trade.triangles)},
+          {"seed", std::to_string(trade.seed)},
+          {"build [ms]", full(trade.costs.build * kMilliseconds)},
+          {"refit [ms]", full(trade.costs.refit * kMilliseconds)},
+          {"rebuild [ms]", full(trade.costs.rebuild * kMilliseconds)},
+          {"memory [bytes per triangle]", full(trade.costs.memory)}};
 }
 
 struct FamilyLook {
@@ -329,10 +298,16 @@ std::string report(const Trade& trade) {
 }
 
 std::string csv(const Trade& trade) {
-  std::string text = csvLine(csvHeader());
+  std::string text;
   for (const BandTrade* band : allBands(trade)) {
     for (std::size_t s = 0; s < band->summaries.size(); ++s) {
-      text += csvLine(csvRow(trade, *band, s));
+      std::vector<std::string> columns, values;
+      for (Cell& cell : csvRow(trade, *band, s)) {
+        columns.push_back(std::move(cell.column));
+        values.push_back(std::move(cell.value));
+      }
+      if (text.empty()) text = csvLine(columns);
+      text += csvLine(values);
     }
   }
   return text;

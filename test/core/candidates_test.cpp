@@ -1,5 +1,5 @@
 // On the baseline; that other vector units give the same bits is in vector_unit_test.
-#include "core/candidates.h"
+#include "core/kernels/candidates.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

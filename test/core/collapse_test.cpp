@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/kernels.h"
+#include "core/kernels/kernels.h"
 #include "every_vector_unit.h"
 #include "organs_and_tips.h"
 

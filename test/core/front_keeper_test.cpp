@@ -1,5 +1,5 @@
 // On the baseline; that other vector units give the same bits is in vector_unit_test.
-#include "core/front_keeper.h"
+#include "core/kernels/front_keeper.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/frontier.h"
+#include "core/kernels/frontier.h"
 #include "core/nearest_search.h"
 #include "organs_and_tips.h"
 

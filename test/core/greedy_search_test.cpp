@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "brute_force.h"
-#include "core/descend.h"
-#include "core/kernels.h"
+#include "core/kernels/descend.h"
+#include "core/kernels/kernels.h"
 #include "every_vector_unit.h"
 #include "organ_collision/core/nearest_triangle.h"
 #include "organs_and_tips.h"

@@ -1,5 +1,5 @@
 // The lanes of the baseline. That other vector units give the same bits is in vector_unit_test.
-#include "core/lanes.h"
+#include "core/kernels/lanes.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <string>
 #include <type_traits>
 
-#include "core/descend.h"
-#include "core/frontier.h"
-#include "core/lane_vector.h"
+#include "core/kernels/descend.h"
+#include "core/kernels/frontier.h"
+#include "core/kernels/lane_vector.h"
 
 namespace organ_collision::core {
 namespace {

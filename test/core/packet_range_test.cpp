@@ -1,6 +1,6 @@
 // How far points are told to be from the triangles of a packet, against the measurement in double
 // precision: on the baseline. That other vector units give the same bits is in vector_unit_test.
-#include "core/packet_range.h"
+#include "core/kernels/packet_range.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "core/fill.h"
+#include "core/kernels/fill.h"
 #include "organ_collision/core/closest_point.h"
 #include "test_meshes.h"
 

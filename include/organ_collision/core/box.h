@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 
 #include "organ_collision/core/triangle.h"
@@ -30,6 +31,15 @@ inline Box boxOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 inline Box boxOf(const Triangle& triangle) { return boxOf(triangle.a, triangle.b, triangle.c); }
+
+inline std::array<Eigen::Vector3d, 8> cornersOf(const Box& box) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (unsigned corner = 0; corner < corners.size(); ++corner)
+    corners[corner] = {(corner & 1U) != 0 ? box.high.x() : box.low.x(),
+                       (corner & 2U) != 0 ? box.high.y() : box.low.y(),
+                       (corner & 4U) != 0 ? box.high.z() : box.low.z()};
+  return corners;
+}
 
 /// A bound [m^2] that no squared distance between points of the two boxes falls below, in computed
 /// arithmetic too: every step is monotone under rounding.

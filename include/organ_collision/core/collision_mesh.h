@@ -18,8 +18,8 @@ namespace organ_collision::core {
 /// may ask it at the same time, while none changes it: to go on asking meanwhile, change a copy.
 class CollisionMesh {
  public:
-  /// Builds the hierarchy. O(n log n) for organs; up to O(n^1.5) where as many centroids are on a
-  /// sphere, and as many levels more as spacings are exponential.
+  /// Builds the hierarchy. O(n log n) for organs; at worst, where nearly all centroids lie on one
+  /// sphere, O(n^1.5). Triangles whose sizes span many powers of two make it as many levels deeper.
   explicit CollisionMesh(TriangleMesh mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }

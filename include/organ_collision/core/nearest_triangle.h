@@ -34,6 +34,12 @@ enum class Sign : std::uint8_t {
 struct SearchWork {
   std::uint32_t bounds = 0;     ///< boxes measured; greedy: splits decided
   std::uint32_t triangles = 0;  ///< triangles looked at
+
+  SearchWork& operator+=(const SearchWork& other) {
+    bounds += other.bounds;
+    triangles += other.triangles;
+    return *this;
+  }
 };
 
 /// The triangle of an organ nearest to an instrument's tip, with the proof of how wrong that may
@@ -60,9 +66,10 @@ struct NearestTriangle {
 /// hierarchy's order is named; of lengths below 1e-150 m, squares underflow. max_leaves = 1 is the
 /// paper's search: go to the child whose pole is nearer, until one triangle is left. More leaves
 /// never give a worse answer. Throws std::invalid_argument for a point or an accuracy that is not
-/// usable. Allocates only until the calling thread has seen its widest search. Costs what is nearly
-/// as near as the nearest: far less than O(n) mostly, but O(n) at the centre of a sphere, unless
-/// max_leaves is set. Any threads may ask at the same time, while none changes the organ.
+/// usable. Allocates only until the calling thread has seen its widest search. Its cost
+/// grows with the number of triangles that are almost as near as the nearest: usually far below
+/// O(n), O(n) at the centre of a sphere, unless max_leaves is set. Any threads may ask at the same
+/// time, while none changes the organ.
 NearestTriangle nearestTriangle(const CollisionMesh& organ, const Eigen::Vector3d& tip,
                                 const Accuracy& accuracy = {}, Sign sign = Sign::kProven);
 

@@ -26,6 +26,7 @@ class PairTracker {
 
  private:
   struct Memory;
+  class Search;
   std::unique_ptr<Memory> memory_;
 };
 

@@ -35,8 +35,9 @@ class Tracker {
                                   Sign sign = Sign::kProven);
 
  private:
-  class Patience;
   struct Memory;
+  template <class Tip>
+  class Search;
   std::unique_ptr<Memory> memory_;
 };
 

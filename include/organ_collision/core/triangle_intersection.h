@@ -1,6 +1,6 @@
 #pragma once
 
-#include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/core/triangle.h"
 
 namespace organ_collision::core {
 

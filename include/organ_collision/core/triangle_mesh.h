@@ -24,6 +24,10 @@ inline bool isUsable(const Eigen::Vector3d& position) {
 inline void requireUsable(const Eigen::Vector3d& position, const char* what, std::size_t number) {
   if (!isUsable(position)) refuseUnusable(position, what, number);
 }
+/// The same of each corner of a tip.
+inline void requireUsable(const Triangle& tip) {
+  for (const Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c}) requireUsable(*corner, "tip", 0);
+}
 
 /// Triangles over shared vertices, numbered as in the file that they came from.
 /// Invariants: 1 to 2^27 triangles, as many vertices at most; every corner names a vertex; every

@@ -9,7 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "organ_collision/core/contact.h"
+#include "organ_collision/core/instrument.h"
+#include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/io/value.h"
 
 namespace organ_collision::io {

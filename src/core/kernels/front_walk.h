@@ -1,0 +1,157 @@
+#pragma once
+
+#include "core/kernels/front_keeper.h"
+#include "core/kernels/frontier.h"
+#include "core/kernels/nearest_so_far.h"
+
+// From the front of a former walk, for whichever vector unit includes it.
+namespace organ_collision::core {
+namespace {
+
+/// Of a tip of one, two or three corners.
+template <std::uint32_t kCorners>
+class FrontWalk {
+ public:
+  explicit FrontWalk(Search& search) : search_(search), front_(*search.front), nearest_(search) {
+    keeper_.start(front_);
+  }
+
+  /// False where there is no room for all that has to be opened.
+  bool run() {
+    nearest_.measure(front_.nearest);
+    if (search_.best_vertex != kNoVertex) {
+      if (search_.best_vertex != front_.tied_vertex) forgetTies();
+      way_of_ties_ = static_cast<float>(front_.way * (1 + kWayRounding));
+    }
+    if (!lookAtAllWithin(keeper_.allowed(nearest_.reach()))) return false;
+    nearest_.finish();
+    if (search_.best_leaf != front_.nearest) front_.tied_vertex = kNoVertex;
+    return true;
+  }
+
+ private:
+  static constexpr bool kExact = true;
+  static constexpr float kNotTied = -1.0F;
+  static constexpr double kWayRounding = 4 * kRoundoff<float>;
+
+  /// At what is within reach; false where there is no room for what has to be opened.
+  bool lookAtAllWithin(const Lanes<float>& allowed) {
+    const std::uint32_t followed = front_.count;
+    typename FrontKeeper<kCorners>::Within within[Front::kMost];
+    const std::uint32_t count = keeper_.listWithin(allowed, within);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      KeptSets& kept = front_.kept[within[i].place];
+      if (isPacket(kept)) {
+        lookAtTriangles(within[i].lanes, kept);
+      } else if (!lookAtSets(allowed, kept)) {
+        return false;
+      }
+    }
+    for (std::uint32_t i = followed; i < front_.count; ++i)  // what was opened comes last
+      if (!isPacket(front_.kept[i]) && !lookAtSets(allowed, front_.kept[i])) return false;
+    return true;
+  }
+
+  static bool isPacket(const KeptSets& kept) { return (kept.opened & kPacketBit) != 0; }
+
+  /// Boxes that seemed to be within reach, from where the tip was when they were looked at, may be
+  /// seen to be farther now. The others are opened; false where there is no room.
+  bool lookAtSets(const Lanes<float>& allowed, KeptSets& kept) {
+    const WideNode& node = search_.nodes[kept.opened];
+    const Truth<float> not_opened = !(infinite<float>() <= Lanes<float>::load(kept.bound.data()));
+    search_.bounds += node.lane_count;
+    keeper_.keepBoxes(node, nearest_.tip(), not_opened, kept);
+    for (std::uint32_t lanes = (keeper_.boundsOf(kept) <= allowed).bits(); lanes != 0;
+         lanes &= lanes - 1) {
+      const std::uint32_t lane = lowestBit(lanes);
+      if (!open(setIn(node, lane))) return false;
+      kept.bound[lane] = kFloatInfinity;
+    }
+    return true;
+  }
+
+  bool open(std::uint32_t set) {
+    KeptSets* const kept = keeper_.roomFor(set);
+    if (kept == nullptr) return false;
+    if ((set & kPacketBit) != 0) {
+      Lanes<float>::all(kNotTied).store(kept->tied_until.data());
+      scan(search_.packets[set & ~kPacketBit], *kept);
+    } else {
+      const Truth<float> used = lanesOf((1U << search_.nodes[set].lane_count) - 1);
+      select(used, Lanes<float>{}, infinite<float>()).store(kept->bound.data());
+    }
+    return true;
+  }
+
+  /// At those of a packet's triangles, by bits, that may be within reach.
+  void lookAtTriangles(std::uint32_t lanes, KeptSets& kept) {
+    const TrianglePacket& packet = search_.packets[kept.opened & ~kPacketBit];
+    const Truth<float> tied =
+        Lanes<float>::all(way_of_ties_) <= Lanes<float>::load(kept.tied_until.data());
+    const std::uint32_t in_doubt = withoutNearest(lanes & ~tied.bits(), packet);
+    if (in_doubt != 0 && !nearest_.isTooLate(packet) && !areTied(in_doubt, packet, kept))
+      scan(packet, kept);
+  }
+
+  /// Takes bounds of a packet's triangles anew, and makes candidates of those that are within
+  /// reach, but for the one that was nearest: it is measured.
+  void scan(const TrianglePacket& packet, KeptSets& kept) {
+    search_.triangles += packet.lane_count;
+    float rounding = 0;
+    Planes<float> planes;
+    const SquaredRange<float> range = nearest_.tip().rangeOf(packet, rounding, &planes);
+    const Truth<float> used = lanesInUse<float>(packet);
+    keeper_.keepTriangles(planes, kCorners == 1 ? 2 * rounding : rounding, used, kept);
+    const Truth<float> matter =
+        used & (range.low <= Lanes<float>::all(squareOf(nearest_.reach() + rounding)));
+    if (withoutNearest(matter.bits(), packet) != 0)
+      nearest_.consider(matter, range, rounding, packet);
+  }
+
+  /// Of lanes of a packet, by bits, those that do not hold the triangle that was nearest.
+  std::uint32_t withoutNearest(std::uint32_t lanes, const TrianglePacket& packet) const {
+    const std::uint32_t nearest = front_.nearest - packet.first_leaf;
+    return nearest < kLaneCount ? lanes & ~(1U << nearest) : lanes;
+  }
+
+  void forgetTies() {
+    front_.tied_vertex = search_.best_vertex;
+    for (std::uint32_t i = 0; i < front_.count; ++i)
+      Lanes<float>::all(kNotTied).store(front_.kept[i].tied_until.data());
+  }
+
+  /// Whether these lanes of a packet, by bits, tie at the nearest vertex; keeps until when.
+  bool areTied(std::uint32_t lanes, const TrianglePacket& packet, KeptSets& kept) const {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const std::uint32_t lane = lowestBit(lanes);
+      const double room = search_.roomOfTie(search_, packet.first_leaf + lane);
+      if (room < 0.0) return false;
+      kept.tied_until[lane] = static_cast<float>((front_.way + room) * (1 - kWayRounding));
+    }
+    return true;
+  }
+
+  Search& search_;
+  Front& front_;
+  NearestSoFar<float, kCorners, kExact> nearest_;
+  FrontKeeper<kCorners> keeper_;
+  float way_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
+};
+
+/// In one piece, like walkInOnePiece().
+[[gnu::flatten]] inline bool followPoint(Search& search) { return FrontWalk<1>(search).run(); }
+
+/// REQUIRES: the search is exact, and its tip is near; there is a front.
+inline bool follow(Search& search) {
+  switch (search.corner_count) {
+    case 1:
+      return followPoint(search);
+    case 2:
+      return FrontWalk<2>(search).run();
+    default:
+      return FrontWalk<3>(search).run();
+  }
+}
+
+}  // namespace
+}  // namespace organ_collision::core

@@ -1,0 +1,211 @@
+#pragma once
+
+#include "core/kernels/lane_triangles.h"
+#include "core/kernels/ways.h"
+#include "organ_collision/core/wide_node.h"
+
+// Gaps between a tip of several corners and boxes or triangles, eight at a time.
+//
+// Where nearest points are found in single precision, nothing is proven by how far they are apart;
+// but whatever the direction between them, how far it keeps two convex bodies apart is a lower
+// bound of their distance, and if the points are nearly the nearest, it is nearly the distance.
+//
+// Rounding, in the terms of bounds.h: extents along a direction are off by 3*u*(d + r),
+// besides the u*d and r*u of the corners themselves; their difference by u*(d + r), the length of
+// the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). All that is below
+// 16*u*d + 64*(u + v)*r; what is told is to be lessened by twice as much, which leaves room for the
+// 4*u*extent of the exact measurement, where the extent may be twice the reach of the tip.
+namespace organ_collision::core {
+namespace {
+
+template <class Real>
+inline Lanes<Real> clampedTo1(const Lanes<Real>& x) {
+  return smaller(larger(x, Lanes<Real>{}), Lanes<Real>::all(1));  // 0 if it is not a number
+}
+
+template <class Real>
+inline LaneVector<Real> clamped(const LaneVector<Real>& v, const LaneVector<Real>& low,
+                                const LaneVector<Real>& high) {
+  return {smaller(larger(v.x, low.x), high.x), smaller(larger(v.y, low.y), high.y),
+          smaller(larger(v.z, low.z), high.z)};
+}
+
+/// How far a segment is from the lanes' boxes along a direction, times its length: the boxes are
+/// where the direction comes from.
+template <class Real>
+inline Lanes<Real> gapAlong(const LaneVector<Real>& direction, const LaneVector<Real>& start,
+                            const LaneVector<Real>& step, const LaneVector<Real>& middle,
+                            const LaneVector<Real>& half) {
+  const Lanes<Real> nearer_end = smaller(dot(direction, step), Lanes<Real>{});
+  return dot(direction, start - middle) + nearer_end - dot(magnitudesOf(direction), half);
+}
+
+/// What keeps a segment from the lanes' boxes: a lower bound of the distances.
+template <class Real>
+inline Ways<Real> waysToBoxes(const Vector<Real>& start, const Vector<Real>& end,
+                              const LaneVector<Real>& low, const LaneVector<Real>& high) {
+  constexpr int kRounds = 2;  // from one to the other and back: more find hardly anything nearer
+  const Vector<Real> along = end - start;
+  const Lanes<Real> inverse = Lanes<Real>::all(1 / dot(along, along));
+  const LaneVector<Real> from = everywhere(start);
+  const LaneVector<Real> step = everywhere(along);
+  const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
+  const LaneVector<Real> middle = half * (low + high);
+  const LaneVector<Real> size = half * (high - low);
+  LaneVector<Real> in_box = middle;
+  LaneVector<Real> direction;
+  for (int round = 0; round < kRounds; ++round) {
+    const LaneVector<Real> on_segment =
+        from + clampedTo1(dot(in_box - from, step) * inverse) * step;
+    in_box = clamped(on_segment, low, high);
+    direction = on_segment - in_box;
+  }
+  // Where the nearest point is inside the segment, the nearest way is square to it.
+  const LaneVector<Real> square = direction - dot(direction, step) * inverse * step;
+  const Lanes<Real> gap =
+      distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction));
+  const Lanes<Real> square_gap =
+      distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square));
+  return {LaneVector<Real>{} - select(gap <= square_gap, square, direction),
+          larger(gap, square_gap)};
+}
+
+/// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the
+/// vector from nearest point to nearest point. Source: C. Ericson, "Real-time collision detection"
+/// (2005), 5.1.9.
+template <class Real>
+[[gnu::always_inline]] inline LaneVector<Real> betweenEdges(const Vector<Real>& start,
+                                                            const Vector<Real>& step,
+                                                            const LaneVector<Real>& lane_start,
+                                                            const LaneVector<Real>& edge) {
+  const LaneVector<Real> along = everywhere(step);
+  const LaneVector<Real> between = lane_start - everywhere(start);
+  const Real squared_step = dot(step, step);
+  const Lanes<Real> squared_along = Lanes<Real>::all(squared_step);
+  const Lanes<Real> squared_edge = dot(edge, edge);
+  const Lanes<Real> both = dot(along, edge);
+  const Lanes<Real> first = dot(along, between);
+  const Lanes<Real> second = dot(edge, between);
+  const Lanes<Real> s = clampedTo1((first * squared_edge - second * both) /
+                                   (squared_along * squared_edge - both * both));
+  const Lanes<Real> t = clampedTo1((s * both - second) / squared_edge);
+  const Lanes<Real> nearest = clampedTo1((t * both + first) * Lanes<Real>::all(1 / squared_step));
+  return between + t * edge - nearest * along;
+}
+
+/// What a point's projection onto the plane of a triangle is in the triangle's coordinates.
+template <class Number>
+struct Foot {
+  Number of_first, of_second;  ///< edge
+};
+
+/// REQUIRES: `offset` leads from the point to the corner at which both edges start.
+template <class Number>
+inline Foot<Number> footIn(const Vector<Number>& offset, const Vector<Number>& first,
+                           const Vector<Number>& second) {
+  const Number squared_first = dot(first, first);
+  const Number squared_second = dot(second, second);
+  const Number both = dot(first, second);
+  const Number along_first = dot(offset, first);
+  const Number along_second = dot(offset, second);
+  const Number squared_normal = squared_first * squared_second - both * both;
+  return {(both * along_second - squared_second * along_first) / squared_normal,
+          (both * along_first - squared_first * along_second) / squared_normal};
+}
+
+/// False where it is not a number.
+template <class Real>
+inline Truth<Real> isInside(const Foot<Lanes<Real>>& foot) {
+  const Lanes<Real> none{};
+  return (none <= foot.of_first) & (none <= foot.of_second) &
+         (foot.of_first + foot.of_second <= Lanes<Real>::all(1));
+}
+
+/// How far each of `ours` is kept from all of `theirs`, along a direction.
+template <class Real>
+inline Lanes<Real> gapsAlong(const Vector<Real>& way, const LaneTriangles<Real>& ours,
+                             const LaneTriangles<Real>& theirs) {
+  const LaneVector<Real> direction = everywhere(way);
+  return distanceOfGap(
+      Lanes<Real>::all(leastOf(theirs.nearestAlong(direction))) - ours.farthestAlong(direction),
+      Lanes<Real>::all(dot(way, way)));
+}
+
+/// Eight triangles, each along its own normal: there flat ones are as thick as rounding makes them.
+template <class Real>
+class LaneFaces {
+ public:
+  explicit LaneFaces(const LaneTriangles<Real>& triangles)
+      : normal_(cross(triangles.ab, triangles.ac)),
+        squared_normal_(dot(normal_, normal_)),
+        nearest_(triangles.nearestAlong(normal_)),
+        farthest_(triangles.farthestAlong(normal_)) {}
+
+  /// How far each is kept from a triangle, on either side.
+  Lanes<Real> gapsTo(const Vector<Real> (&tip)[3]) const {
+    const Lanes<Real> a = dot(normal_, everywhere(tip[0]));
+    const Lanes<Real> b = dot(normal_, everywhere(tip[1]));
+    const Lanes<Real> c = dot(normal_, everywhere(tip[2]));
+    const Lanes<Real> before = nearest_ - larger(larger(a, b), c);
+    const Lanes<Real> behind = smaller(smaller(a, b), c) - farthest_;
+    return distanceOfGap(larger(before, behind), squared_normal_);
+  }
+
+ private:
+  LaneVector<Real> normal_;
+  Lanes<Real> squared_normal_, nearest_, farthest_;
+};
+
+/// Between which distances the lanes' triangles are from a tip, but for rounding; and the way that
+/// keeps them apart, from the tip.
+template <class Real>
+struct Gap {
+  Lanes<Real> low, high;
+  LaneVector<Real> way;
+};
+
+/// Of a tip of two or three corners, relative to the packet's origin.
+template <class Real, std::uint32_t kCorners>
+inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[kCorners], const TrianglePacket& packet) {
+  const auto [a, ab, ac] = trianglesOf<Real>(packet);
+  const LaneVector<Real> b = a + ab;
+  const LaneVector<Real> c = a + ac;
+  const LaneVector<Real> bc = ac - ab;
+
+  Shortest<Real> shortest(a - everywhere(tip[0]));
+  constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
+  for (std::uint32_t i = 0; i < kEdges; ++i) {
+    const Vector<Real> step = tip[(i + 1) % kCorners] - tip[i];
+    shortest.consider(betweenEdges(tip[i], step, a, ab));
+    shortest.consider(betweenEdges(tip[i], step, a, ac));
+    shortest.consider(betweenEdges(tip[i], step, b, bc));
+  }
+  for (const Vector<Real>& corner : tip) {
+    const LaneVector<Real> to_corner = a - everywhere(corner);
+    const Foot<Lanes<Real>> foot = footIn(to_corner, ab, ac);
+    shortest.consider(to_corner + foot.of_first * ab + foot.of_second * ac, isInside(foot));
+  }
+  if constexpr (kCorners == 3) {
+    const LaneVector<Real> first = everywhere(tip[1] - tip[0]);
+    const LaneVector<Real> second = everywhere(tip[2] - tip[0]);
+    for (const LaneVector<Real>* corner : {&a, &b, &c}) {
+      const LaneVector<Real> from_corner = everywhere(tip[0]) - *corner;
+      const Foot<Lanes<Real>> foot = footIn(from_corner, first, second);
+      shortest.consider(
+          LaneVector<Real>{} - (from_corner + foot.of_first * first + foot.of_second * second),
+          isInside(foot));
+    }
+  }
+
+  const LaneVector<Real>& offset = shortest.offset;
+  Lanes<Real> farthest_of_tip = dot(offset, everywhere(tip[0]));
+  for (std::uint32_t i = 1; i < kCorners; ++i)
+    farthest_of_tip = larger(farthest_of_tip, dot(offset, everywhere(tip[i])));
+  const Lanes<Real> nearest_of_lanes =
+      smaller(smaller(dot(offset, a), dot(offset, b)), dot(offset, c));
+  return {distanceOfGap(nearest_of_lanes - farthest_of_tip, shortest.squared),
+          root(shortest.squared), offset};
+}
+
+}  // namespace
+}  // namespace organ_collision::core

@@ -1,7 +1,0 @@
-#include "core/unit_kernels.h"
-
-namespace organ_collision::core {
-
-const Kernels kAvx2Kernels = kUnitKernels;
-
-}  // namespace organ_collision::core

@@ -1,7 +1,0 @@
-#include "core/unit_kernels.h"
-
-namespace organ_collision::core {
-
-const Kernels kAvx512Kernels = kUnitKernels;
-
-}  // namespace organ_collision::core

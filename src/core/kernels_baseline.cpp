@@ -1,7 +1,0 @@
-#include "core/unit_kernels.h"
-
-namespace organ_collision::core {
-
-const Kernels kBaselineKernels = kUnitKernels;
-
-}  // namespace organ_collision::core
