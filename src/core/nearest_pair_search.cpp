@@ -14,9 +14,11 @@
 namespace organ_collision::core {
 namespace {
 
-/// Farther than this many sizes of a surface from it, all of its triangles are equally far but for
-/// rounding of 4*u*extent: any of them will do.
+/// Sizes of a surface: where the other's middle is farther, its boxes are not to be told apart.
 constexpr double kTooFar = 0x1p60;
+/// Sizes of a surface: where all of the other is farther, its triangles are equally far but for
+/// rounding of 4*u*extent, and any of them will do.
+constexpr double kAllAlike = 0x1p58;
 
 double largestCoordinate(const std::array<double, 3>& v) {
   return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -85,7 +87,7 @@ NearestPair NearestPairSearch::run() {
   if (!is_limited_) measureToAndFro();
   if (!isTooFar()) {
     kernels().walkPairs(*this);
-  } else if (is_limited_) {
+  } else if (is_limited_ || !areFarApart()) {
     unopened = 0.0;
   }
   return answer();
@@ -94,6 +96,14 @@ NearestPair NearestPairSearch::run() {
 bool NearestPairSearch::isTooFar() const {
   return !(largestCoordinate(second_from_first.offset) < kTooFar) ||
          !(largestCoordinate(first_from_second.offset) < kTooFar);
+}
+
+/// Not so of a surface that is huge beside the other and about it, as with one vertex astray.
+bool NearestPairSearch::areFarApart() const {
+  Box moved;
+  for (const Eigen::Vector3d& corner : cornersOf(first_.health().box)) moved.add(pose_ * corner);
+  const double scale = std::max(first_.wideTree().frame().scale, second_.wideTree().frame().scale);
+  return std::sqrt(squaredDistance(moved, second_.health().box)) * scale > kAllAlike;
 }
 
 bool NearestPairSearch::areAllAlike() const {

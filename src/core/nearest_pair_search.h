@@ -24,7 +24,7 @@ class NearestPairSearch : protected PairSearch {
   NearestPair run();
 
  protected:
-  /// From at least one of them: then going to and fro tells as much as can be told.
+  /// For its boxes: then no more is told than going to and fro does.
   bool isTooFar() const;
 
   /// Of two surfaces that have shrunk to points, all triangles are equally far, bit for bit.
@@ -51,6 +51,7 @@ class NearestPairSearch : protected PairSearch {
 
  private:
   void placeFrames();
+  bool areFarApart() const;
   Triangle ofFirst(FarthestPairTree::Leaf leaf) const;
   Triangle ofSecond(FarthestPairTree::Leaf leaf) const;
   NearestTriangle nearestTo(const CollisionMesh& surface, const Eigen::Vector3d& point);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "organ_collision/core/contact.h"
+#include "organ_collision/core/triangle_distance.h"
 #include "test_meshes.h"
 
 namespace organ_collision::core {
@@ -112,6 +114,31 @@ TEST(NearestPair, OfSurfacesInOtherGalaxiesIsRightButForRounding) {
     const NearestTriangle nearest = nearestPair(cube, at(far, -far, 0.0), cube).nearest;
     EXPECT_NEAR(nearest.distance, std::sqrt(2.0) * far, 4 * 0x1p-53 * std::sqrt(2.0) * far);
     EXPECT_TRUE(nearest.isExact());
+  }
+}
+
+/// As of a simulation that blew up: beside it the other surface is no more than a point.
+TEST(NearestPair, ProvesNothingOfASurfaceWithAVertexInAnotherGalaxy) {
+  std::mt19937 generator(12);
+  const CollisionMesh tool(test::placed(test::blob(1), 0.5, {0, 0, 0}));
+  for (int i = 0; i < 100; ++i) {
+    CollisionMesh organ(test::blob(2));
+    organ.refit({static_cast<VertexId>(generator() % 66)}, {{1e18, 3e17, -2e17}});
+    const Isometry3d pose = test::randomPose(generator, 1.0);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Corners& corners : tool.mesh().triangles()) {
+      const auto [a, b, c] = tool.mesh().triangle(corners);
+      for (const Corners& others : organ.mesh().triangles())
+        least = std::min(
+            least, closestPoints({pose * a, pose * b, pose * c}, organ.mesh().triangle(others))
+                       .on_second.squared_distance);
+    }
+    const NearestTriangle nearest = nearestPair(tool, pose, organ).nearest;
+    ASSERT_LE(std::abs(nearest.lower_bound), std::sqrt(least));
+    ASSERT_GE(nearest.upper_bound, std::sqrt(least));
+    const RigidMesh shape{std::make_shared<const CollisionMesh>(tool), pose};
+    const Contact touching = contact(organ, Shape(shape));
+    ASSERT_TRUE(least > 0.0 || touching.colliding || !touching.colliding_certain);
   }
 }
 

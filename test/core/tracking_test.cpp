@@ -381,6 +381,20 @@ TEST(Tracker, FollowsOnWhereATipComesBackToFromFarAway) {
   EXPECT_LT(tracked.bounds, searched.bounds / 2);
 }
 
+/// Of a thin organ both sides are as near there, but for rounding.
+TEST(Tracker, TellsTheNormalOfASearchAlsoFromFarAway) {
+  Points points = test::cube().positions();
+  for (Eigen::Vector3d& point : points)
+    point = (point - Eigen::Vector3d(0.5, 0.5, 0.5)).cwiseProduct(Eigen::Vector3d(0.2, 0.2, 2e-6));
+  const CollisionMesh organ({points, test::cube().triangles()});
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d tip(1e8 * (i % 20 - 10), 1e8 * (i / 20 - 10), i % 2 == 0 ? 1e11 : -1e11);
+    Tracker tracker;
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(tracker.nearestTriangle(organ, 0.0, tip), nearestTriangle(organ, tip)));
+  }
+}
+
 TEST(Tracker, RefusesATipThatIsNotANumber) {
   const CollisionMesh organ(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -19,10 +19,12 @@ struct NearestPair {
 /// together, is inside the other's solid.
 /// An exact answer is the least of all computed triangle-triangle distances, bit for bit, those of
 /// the first moved by the pose; of several it names the first in the hierarchies' order, but where
-/// surfaces meet any two triangles that do; where one is farther than 2^60 of its sizes from the
-/// other, any that are as near but for 4*u*extent. max_leaves counts pairs of triangles; 1 is the
-/// paper's search from the middle of the first's box, and back. Throws std::invalid_argument for an
-/// accuracy that is not usable, or a pose that is not rigid.
+/// surfaces meet any two triangles that do; where one is farther than 2^58 of its sizes from the
+/// other, any that are as near but for 4*u*extent. Where it is not, but the other's middle is
+/// farther than 2^60 of its sizes, as of a surface with a vertex that far astray, the answer is not
+/// exact: its lower bound is 0. max_leaves counts pairs of triangles; 1 is the paper's search from
+/// the middle of the first's box, and back. Throws std::invalid_argument for an accuracy that is
+/// not usable, or a pose that is not rigid.
 ///
 /// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where one
 /// vertex is so far astray that all others are; least where the surfaces meet. Besides, for the
