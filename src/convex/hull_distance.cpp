@@ -5,7 +5,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -97,24 +99,39 @@ Found byGjk(const Points& first, const Points& second) {
   return {best, false};
 }
 
-/// By EPA; nothing where the face that decides is too narrow to have a normal. REQUIRES: the
-/// corners are not in one plane.
+/// Takes the one of these normals along which the gap is largest, of those that the way between the
+/// points found has: of faces that are as near, or narrow, some have another. False if none has.
+bool takeNormal(const std::array<Vector3d, 3>& normals, const Vector3d& way, const Points& first,
+                const Points& second, HullDistance& found) {
+  found.gap = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& normal : normals) {
+    if (normal.isZero(0.0) || normal.dot(way) < way.norm() - kProven) continue;
+    const double gap = gapAlong(normal, first, second);
+    if (!(gap > found.gap)) continue;
+    found.gap = gap;
+    found.normal = normal;
+  }
+  return std::isfinite(found.gap);
+}
+
+/// By EPA; nothing where no normal is known. REQUIRES: the corners are not in one plane.
 std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Points& first,
                                   const Points& second) {
   constexpr int kSteps = 256;
   Polytope polytope(corners);
   for (int i = 0; i < kSteps; ++i) {
-    const Polytope::Face& nearest = polytope.nearestPlane();
+    Polytope::Face& nearest = polytope.nearestPlane();
     const Polytope::Corner corner = farthestCorner(nearest.normal, first, second);
     if (nearest.normal.dot(corner.place) - nearest.offset <= kProven / 8) break;
-    if (!polytope.add(corner)) break;
+    if (!polytope.add(corner)) Polytope::passBy(nearest);
   }
   HullDistance found = polytope.nearestPoints();
-  const double offset = (found.on_second - found.on_first).norm();
-  found.most = polytope.holdsOrigin() ? -offset : offset;
-  found.normal = polytope.nearestPlane().normal;
-  if (found.normal.isZero(0.0)) return std::nullopt;
-  found.gap = gapAlong(found.normal, first, second);
+  const Vector3d apart = found.on_second - found.on_first;
+  const Vector3d way = polytope.holdsOrigin() ? -apart : apart;
+  found.most = polytope.holdsOrigin() ? -way.norm() : way.norm();
+  const std::array<Vector3d, 3> normals = {found.normal, way.stableNormalized(),
+                                           polytope.nearestPlane().normal};
+  if (!takeNormal(normals, way, first, second, found)) return std::nullopt;
   return found;
 }
 
@@ -129,6 +146,7 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
   constexpr int kSteps = 16;
   constexpr double kRoom = 0x1p-7;
   constexpr double kRounding = 1e-15;
+  constexpr double kLoss = 16 * kPrecision;  // points that GJK found are worth it
   const double gap_there = gapAlong(normal, first, second);
   HullDistance best = {gap_there, gap_there, normal, farthest(first, normal),
                        farthest(second, -normal)};
@@ -138,7 +156,7 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
     if (!apart) break;
     const double gap = gapAlong(apart->normal, first, second);
     const double gained = gap - best.gap;
-    if (gained < -kRounding) break;
+    if (gained < -kLoss) break;
     best = {gap, gap, apart->normal, apart->on_first, apart->on_second - shift};
     if (gained <= kRounding) break;
   }

@@ -80,6 +80,7 @@ void Polytope::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const Vector3d normal =
       (corners_[b].place - place).cross(corners_[c].place - place).stableNormalized();
   faces_.push_back({{a, b, c}, normal, normal.dot(place)});
+  if (normal.isZero(0.0)) passBy(faces_.back());
 }
 
 /// From outside.
@@ -112,7 +113,9 @@ bool Polytope::add(const Corner& corner) {
   return true;
 }
 
-const Polytope::Face& Polytope::nearestPlane() const {
+void Polytope::passBy(Face& face) { face.offset = std::numeric_limits<double>::infinity(); }
+
+Polytope::Face& Polytope::nearestPlane() {
   return *std::min_element(faces_.begin(), faces_.end(), [](const Face& left, const Face& right) {
     return left.offset < right.offset;
   });
@@ -120,13 +123,17 @@ const Polytope::Face& Polytope::nearestPlane() const {
 
 HullDistance Polytope::nearestPoints() const {
   HullDistance nearest{};
+  nearest.normal = Vector3d::Zero();
   double least = std::numeric_limits<double>::infinity();
   for (const Face& face : faces_) {
     const auto& [a, b, c] = face.corners;
     const core::ClosestPoint closest = core::closestPointOnTriangle(
         Vector3d::Zero(), {corners_[a].place, corners_[b].place, corners_[c].place});
-    if (!(closest.squared_distance < least)) continue;
+    const bool has_no_normal = nearest.normal.isZero(0.0);
+    if (!(closest.squared_distance < least || (closest.squared_distance == least && has_no_normal)))
+      continue;
     least = closest.squared_distance;
+    nearest.normal = face.normal;
     nearest.on_first = nearest.on_second = Vector3d::Zero();
     for (int i = 0; i < 3; ++i) {
       nearest.on_first += closest.barycentric[i] * corners_[face.corners[i]].on_first;

@@ -20,24 +20,28 @@ class Polytope {
   using FourCorners = std::array<Corner, 4>;
   struct Face {
     std::array<std::uint32_t, 3> corners;  ///< anticlockwise, seen from outside
-    Eigen::Vector3d normal;                ///< unit, outwards
+    Eigen::Vector3d normal;                ///< unit, outwards; zero where it has no area
     double offset;                         ///< of its plane from the origin, along that
   };
 
   /// REQUIRES: they are not in one plane.
   explicit Polytope(const FourCorners& corners);
 
-  /// Encloses another corner; false where it sees no face.
+  /// Encloses another corner; false, and nothing changes, where it sees no face.
   bool add(const Corner& corner);
 
   /// The face whose plane is nearest to the origin from outside or, if the origin is not inside,
-  /// farthest beyond it.
-  const Face& nearestPlane() const;
+  /// farthest beyond it; none without area, nor one that is passed by, but where all are so.
+  Face& nearestPlane();
+
+  /// Leaves a face out of that: so narrow a one that its normal is nothing but rounding.
+  static void passBy(Face& face);
 
   /// Inside or on it, decided exactly.
   bool holdsOrigin() const;
 
-  /// The points of both hulls that the polytope's boundary has nearest to each other.
+  /// The points of both hulls that the polytope's boundary has nearest to each other, and the
+  /// normal of the face that they are of.
   HullDistance nearestPoints() const;
 
  private:

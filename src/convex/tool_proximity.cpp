@@ -47,8 +47,13 @@ core::UnitFrame unitFrameOf(const Hull& first, const Hull& second) {
   return core::unitFrame(box);
 }
 
+/// Without what FCL's squares would lose: of a size that has no inverse all is at one place.
 Points inFrame(const core::UnitFrame& frame, Points points) {
-  for (Vector3d& point : points) point = frame(point);
+  constexpr double kLeast = 0x1p-500;
+  for (Vector3d& point : points) {
+    point = frame(point);
+    point = (point.array().abs() < kLeast).select(0.0, point);
+  }
   return points;
 }
 

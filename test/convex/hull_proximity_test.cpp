@@ -161,22 +161,50 @@ double gapOfBoxes(const Vector3d& size, const Isometry3d& first, const Isometry3
   return gap;
 }
 
+/// Bounds, points and normal tell one distance.
+void expectConsistent(const Proximity& found) {
+  ASSERT_NEAR(found.lower_bound, found.distance, kTight);
+  ASSERT_EQ(found.upper_bound, found.distance);
+  ASSERT_NEAR(found.normal.dot(found.point_on_second - found.point_on_first), found.distance,
+              kTight);
+  ASSERT_NEAR((found.point_on_second - found.point_on_first).norm(), std::abs(found.distance),
+              kTight);
+}
+
+/// Turned at random, along the axes, where corners of their difference are in one line and in one
+/// plane, or about one centre, where two faces of that are as near.
 TEST(HullProximity, OfBoxesThatOverlapIsTheLeastDepthOfAll) {
   std::mt19937 generator(96);
   const Vector3d size(1.0, 0.5, 0.25);
   std::size_t overlaps = 0;
   for (std::size_t i = 0; i < queryCount(1000); ++i) {
-    const Isometry3d first = test::randomPose(generator, 0.3);
-    const Isometry3d second = test::randomPose(generator, 0.3);
+    Isometry3d first = test::randomPose(generator, 0.3);
+    Isometry3d second = test::randomPose(generator, 0.3);
+    if (i % 3 == 0) first.linear() = second.linear() = Eigen::Matrix3d::Identity();
+    if (i % 3 == 1) second.translation() = first.translation();
     const double gap = gapOfBoxes(size, first, second);
     if (gap >= 0.0) continue;
     ++overlaps;
     const Proximity found = hullProximity(box(size, first), box(size, second));
     ASSERT_NEAR(found.distance, gap, kTight);
-    ASSERT_NEAR(found.lower_bound, gap, kTight);
-    ASSERT_NEAR(found.normal.dot(found.point_on_second - found.point_on_first), gap, kTight);
+    ASSERT_NO_FATAL_FAILURE(expectConsistent(found));
   }
   EXPECT_GT(overlaps, queryCount(1000) / 10);
+}
+
+TEST(HullProximity, OfParallelCylindersTellsOneDistance) {
+  std::mt19937 generator(95);
+  std::size_t overlaps = 0;
+  for (std::size_t i = 0; i < queryCount(1000); ++i) {
+    Isometry3d pose(Eigen::Translation3d(0.5 * test::randomPoint(generator, 1.0)));
+    if (i % 2 == 0)
+      pose.rotate(Eigen::AngleAxisd(0.01 * static_cast<double>(i), Vector3d::UnitZ()));
+    const Proximity found =
+        hullProximity(cylinder(0.25, 1.0, Isometry3d::Identity()), cylinder(0.25, 1.0, pose));
+    overlaps += found.colliding ? 1 : 0;
+    ASSERT_NO_FATAL_FAILURE(expectConsistent(found));
+  }
+  EXPECT_GT(overlaps, queryCount(1000) / 4);
 }
 
 /// Where GJK and EPA know no normal any more.
@@ -243,7 +271,19 @@ TEST(HullProximity, OfPolygonsInOnePlaneIsThatTheyTouch) {
     const Proximity same = hullProximity(first, polygon(generator, pose, 3 + generator() % 18));
     ASSERT_NEAR(same.lower_bound, 0.0, kTight);  // the middles meet
     ASSERT_NEAR(same.upper_bound, 0.0, kTight);
+    ASSERT_NEAR((same.point_on_second - same.point_on_first).norm(), 0.0, kTight);
   }
+}
+
+TEST(HullProximity, OfWhatHasNoSizeThatHasAnInverseIsANumber) {
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  const core::TriangleMesh point({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {test::corners(0, 1, 2)});
+  const RigidMesh mesh{std::make_shared<const CollisionMesh>(point), Isometry3d::Identity(), true};
+  const Proximity found =
+      hullProximity(core::Triangle{{tiny, 0, 0}, {0, tiny, 0}, {0, 0, tiny}}, mesh);
+  EXPECT_NEAR(found.distance, 0.0, kTight);
+  EXPECT_NEAR(found.lower_bound, 0.0, kTight);
+  EXPECT_TRUE(found.point_on_first.allFinite() && found.point_on_second.allFinite());
 }
 
 TEST(HullProximity, OfFlatHullsInOnePlaneIsThatTheyTouch) {
