@@ -8,8 +8,17 @@
 
 #include <cstdlib>
 #include <stdexcept>
+#include <string>
 
 namespace {
+
+double number(const char* text) {
+  char* end = nullptr;
+  const double value = std::strtod(text, &end);
+  if (end == text || *end != '\0')
+    throw std::runtime_error("'" + std::string(text) + "' is no number");
+  return value;
+}
 
 /// Calls a service of the node; a refusal becomes an exception.
 template <class Service>
@@ -43,9 +52,9 @@ int main(int argc, char** argv) {
     question.request.organ = argv[1];
     question.request.header.frame_id = argv[2];
     question.request.points.resize(1);
-    question.request.points[0].x = std::atof(argv[3]);
-    question.request.points[0].y = std::atof(argv[4]);
-    question.request.points[0].z = std::atof(argv[5]);
+    question.request.points[0].x = number(argv[3]);
+    question.request.points[0].y = number(argv[4]);
+    question.request.points[0].z = number(argv[5]);
     const auto before = nearest(question);
 
     organ_collision::GetMesh mesh;

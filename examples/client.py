@@ -52,5 +52,8 @@ class Client:
 
 if __name__ == "__main__":
     rospy.init_node("client")
-    Client()
-    rospy.spin()
+    try:
+        Client()
+        rospy.spin()
+    except rospy.ROSInterruptException:  # ended while it waits for the node
+        pass

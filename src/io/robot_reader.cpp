@@ -113,11 +113,12 @@ std::vector<LinkCollision> readCollisions(const std::string& robot_description,
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
   if (!robot) refuse("the description cannot be read as URDF: " + error.text());
   const auto& found = linkNamed(*robot, link).collision_array;
-  if (found.empty()) refuse("it has no <collision> that can be read");
   const std::size_t wanted = collisionCount(robot_description, link);
+  if (wanted == 0) refuse("it has no <collision>");
   if (found.size() != wanted) {
-    refuse("only " + std::to_string(found.size()) + " of its " + std::to_string(wanted) +
-           " <collision> can be read");
+    const std::string reason = error.text().empty() ? "" : ": " + error.text();
+    refuse(std::to_string(found.size()) + " of its " + std::to_string(wanted) +
+           " <collision> can be read" + reason);
   }
   std::vector<LinkCollision> collisions;
   collisions.reserve(found.size());

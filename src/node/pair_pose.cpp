@@ -6,6 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "node/transform_intake.h"
+
 namespace organ_collision::node {
 namespace {
 
@@ -82,6 +84,10 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
 }
 
 ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }
+
+bool PairPose::isAhead(const ros::Time& now) const {
+  return age(now).toSec() < -TransformIntake::kFarthestAhead;
+}
 
 bool PairPose::isLate(const ros::Time& now, double stale_after) const {
   return !reason_.empty() || !isOfNow(*second_from_first_, now, stale_after) ||

@@ -46,6 +46,9 @@ class PairPose {
   /// more than a Duration can hold.
   ros::Duration age(const ros::Time& now) const;
 
+  /// Told before time jumped back: its stamp is still to come.
+  bool isAhead(const ros::Time& now) const;
+
   /// The first's pose, or that of the scene's frame, is not that of now.
   bool isLate(const ros::Time& now, double stale_after) const;
 

@@ -110,7 +110,9 @@ ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Acc
   const OrganSnapshots snapshots = snapshotsOf(organs_);
   for (Tracked& tracked : tracked_) {
     array.proximities.push_back(proximityOf(tracked, snapshots, now, accuracy));
-    array.header.stamp = std::max(array.header.stamp, array.proximities.back().stamp);
+    const PairPose& pose = tracked.pose;
+    if (pose.isKnown() && !pose.isAhead(now))
+      array.header.stamp = std::max(array.header.stamp, pose.stamp());
   }
   array.computation_time = watch.elapsed();
   return array;

@@ -1,6 +1,7 @@
 #include "tip_samples.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -26,7 +27,10 @@ std::vector<double> areas(const core::TriangleMesh& mesh) {
     sum += result.back();
   }
   if (!(sum > 0.0) || !std::isfinite(sum)) {
-    throw std::runtime_error("the mesh has no area to put tips beside");
+    std::ostringstream message;
+    message << "the mesh has no area to put tips beside: of its triangles all together it is "
+            << sum << " m^2";
+    throw std::runtime_error(message.str());
   }
   return result;
 }
@@ -54,6 +58,13 @@ std::optional<double> number(const std::string& field) {
       field.find_first_not_of(" \t", static_cast<std::size_t>(end - field.c_str())) ==
           std::string::npos;
   return is_number ? std::optional(value) : std::nullopt;
+}
+
+constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets write it
+
+bool isHeading(const std::string& line) {
+  const std::vector<std::string> names = fields(line);
+  return names.size() == 3 && std::none_of(names.begin(), names.end(), number);
 }
 
 /// Throws std::invalid_argument saying what is wrong with `line`.
@@ -116,8 +127,8 @@ core::Points readTips(const std::filesystem::path& file) {
   for (std::string line; std::getline(stream, line);) {
     ++line_number;
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    const bool is_header = line_number == 1 && !number(fields(line).front());
-    if (line.empty() || is_header) continue;
+    if (line_number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
+    if (line.empty() || (line_number == 1 && isHeading(line))) continue;
     try {
       tips.push_back(tipOf(line, line_number));
     } catch (const std::invalid_argument& error) {

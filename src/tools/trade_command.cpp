@@ -113,9 +113,10 @@ void run(const Options& options, std::ostream& out, std::ostream& errors) {
     trade.bands.pop_back();
   }
 
+  out << report(trade) << std::flush;  // whatever becomes of the files
   writeFile(options.output / "trade.csv", csv(trade));
   writeFile(options.output / "trade.svg", svg(figure(trade)));
-  out << report(trade) << "\nWritten: " << (options.output / "trade.csv").string() << ", "
+  out << "\nWritten: " << (options.output / "trade.csv").string() << ", "
       << (options.output / "trade.svg").string() << std::endl;
 }
 

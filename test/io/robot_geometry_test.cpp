@@ -60,7 +60,7 @@ TEST(RobotGeometry, IgnoresTheVisualMesh) {
   const std::string visual =
       R"(<visual><geometry><mesh filename="pretty.dae"/></geometry></visual>)";
   EXPECT_EQ(linkMesh(robot(visual + collision(kMesh)), "abdomen").url, "package://p/liver.obj");
-  EXPECT_THAT(refusal(robot(visual)), HasSubstr("it has no <collision> that can be read"));
+  EXPECT_THAT(refusal(robot(visual)), HasSubstr("it has no <collision>"));
 }
 
 TEST(RobotGeometry, RefusesADescriptionThatIsNoUrdf) {
@@ -80,8 +80,7 @@ TEST(RobotGeometry, NamesTheLinksThatThereAre) {
 }
 
 TEST(RobotGeometry, RefusesALinkWithoutOrWithSeveralCollisions) {
-  EXPECT_EQ(refusal(robot("")),
-            "link 'abdomen' of the robot description: it has no <collision> that can be read");
+  EXPECT_EQ(refusal(robot("")), "link 'abdomen' of the robot description: it has no <collision>");
   EXPECT_EQ(
       refusal(robot(collision(kMesh) + collision(kMesh))),
       "link 'abdomen' of the robot description: it has 2 <collision>, but an organ is one mesh");
@@ -96,10 +95,13 @@ TEST(RobotGeometry, DoesNotCountTheCollisionsOfOtherLinks) {
 
 TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
   for (const char* const unreadable : {"", "<cone/>", "<mesh/>", R"(<box size="1"/>)"}) {
-    EXPECT_EQ(refusal(robot(collision(kMesh) + collision(unreadable))),
-              "link 'abdomen' of the robot description: only 1 of its 2 <collision> can be read")
+    EXPECT_THAT(
+        refusal(robot(collision(kMesh) + collision(unreadable))),
+        MatchesRegex(
+            "link 'abdomen' of the robot description: 1 of its 2 <collision> can be read: .+"))
         << unreadable;
   }
+  EXPECT_THAT(refusal(robot(collision("<cone/>"))), HasSubstr("'cone'"));
 }
 
 TEST(RobotGeometry, RefusesShapesThatAreNoMesh) {
@@ -117,8 +119,7 @@ TEST(RobotGeometry, RefusesAScaleThatIsZeroOrNoNumber) {
   EXPECT_THAT(refusal(scaled("1 0 1")),
               HasSubstr("scale (1 0 1), but it must be finite and not 0"));
   for (const char* const scale : {"nan 1 1", "inf 1 1", "1 1", "1e999 1 1", "x y z"}) {
-    EXPECT_THAT(refusal(scaled(scale)), HasSubstr("it has no <collision> that can be read"))
-        << scale;
+    EXPECT_THAT(refusal(scaled(scale)), HasSubstr("0 of its 1 <collision> can be read")) << scale;
   }
 }
 
@@ -255,10 +256,10 @@ TEST(LinkPieces, RefusesSizesThatAreNone) {
   EXPECT_THAT(refused(R"(<box size="1 0 1"/>)"), HasSubstr("box's y is 0"));
   EXPECT_THAT(refused(R"(<cylinder radius="1" length="-2"/>)"), HasSubstr("cylinder's length"));
   EXPECT_THAT(refused(R"(<cylinder radius="0" length="2"/>)"), HasSubstr("cylinder's radius"));
-  EXPECT_THAT(refused(R"(<sphere/>)"), HasSubstr("it has no <collision> that can be read"));
+  EXPECT_THAT(refused(R"(<sphere/>)"), HasSubstr("0 of its 1 <collision> can be read: "));
   EXPECT_THAT(
       refused(R"(<sphere radius="1"/></geometry></collision><collision><geometry><sphere/>)"),
-      HasSubstr("only 1 of its 2 <collision> can be read"));
+      HasSubstr("1 of its 2 <collision> can be read"));
   for (const char* const large :
        {R"(<sphere radius="1e200"/>)", R"(<box size="1e200 1 1"/>)",
         R"(<cylinder radius="1e200" length="1"/>)", R"(<cylinder radius="1" length="1e200"/>)"}) {

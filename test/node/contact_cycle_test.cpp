@@ -84,6 +84,20 @@ TEST_F(ContactCycleTest, TellsContactsInTheScenesFrameWithTheStampOfTheTip) {
   EXPECT_TRUE(right.colliding_certain);
 }
 
+TEST_F(ContactCycleTest, HasNoStampThatIsStillToCome) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(3600.0));
+  place("liver", "right_tip", {0.5, 0.5, 3.0}, ros::Time(3600.0));
+  contacts(ros::Time(3600.0));
+  buffer_.clear();  // time jumps back, and one tip returns
+  place("world", "liver", {10, 0, 0}, ros::Time(0), true);
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(10.0));
+  const ContactArray array = contacts(ros::Time(10.01));
+  EXPECT_EQ(array.contacts[0].status, Contact::OK);
+  EXPECT_EQ(array.contacts[1].status, Contact::STALE);
+  EXPECT_EQ(array.contacts[1].stamp, ros::Time(3600.0));
+  EXPECT_EQ(array.header.stamp, ros::Time(10.0));
+}
+
 TEST_F(ContactCycleTest, SaysNoPoseAndInfinityUntilTheFrameIsThere) {
   const Contact contact = contacts(ros::Time(1.0)).contacts[0];
   EXPECT_EQ(contact.status, Contact::NO_POSE);

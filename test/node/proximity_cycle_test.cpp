@@ -53,6 +53,15 @@ class ProximityCycleTest : public testing::Test {
   ProximityCycle cycle_{scene_, instruments_, organs_, buffer_};
 };
 
+TEST_F(ProximityCycleTest, HasNoStampThatIsStillToCome) {
+  place("liver", "stomach", {0, 0, 3}, ros::Time(3600.0));
+  proximities(ros::Time(3600.0));
+  buffer_.clear();  // time jumps back
+  place("world", "left_tip", {0, 0, 0}, ros::Time(10.0));
+  place("world", "right_tip", {0, 0, 2}, ros::Time(10.0));
+  EXPECT_EQ(proximities(ros::Time(10.01)).header.stamp, ros::Time(10.0));
+}
+
 TEST_F(ProximityCycleTest, TellsInstrumentsAndOrgansInTheScenesFrame) {
   place("world", "left_tip", {0, 0, 0}, ros::Time(100.0));
   place("world", "right_tip", {0, 0, 2}, ros::Time(100.0));

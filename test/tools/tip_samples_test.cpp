@@ -101,6 +101,10 @@ TEST(ReadTips, TakesThreeNumbersALineAfterAHeader) {
   const core::Points expected = {{0.1, -2e-3, 3}, {4, 5, 6}};
   EXPECT_EQ(readText("x,y,z\n0.1,-2e-3,3\n4,5,6\n"), expected);
   EXPECT_EQ(readText("0.1, -2e-3 ,3\r\n\r\n4,5,6"), expected);
+  EXPECT_EQ(readText("\xEF\xBB\xBFx,y,z\n0.1,-2e-3,3\n4,5,6\n"), expected);
+  EXPECT_EQ(readText("\xEF\xBB\xBF"
+                     "0.1,-2e-3,3\n4,5,6\n"),
+            expected);
 }
 
 TEST(ReadTips, RefusesBadLinesByTheirNumber) {
@@ -110,7 +114,11 @@ TEST(ReadTips, RefusesBadLinesByTheirNumber) {
                 HasSubstr("tips.csv:2: "))
         << bad;
   }
-  EXPECT_THAT(messageOf([] { readText("nan,0,0\n"); }), HasSubstr("tips.csv:1: "));
+  for (const char* first : {"nan,0,0", "0;0;0", "0,0,z", "x,y"}) {
+    EXPECT_THAT(messageOf([&] { readText(std::string(first) + "\n1,2,3\n"); }),
+                HasSubstr("tips.csv:1: "))
+        << first;
+  }
 }
 
 TEST(ReadTips, RefusesFilesWithoutTips) {
