@@ -13,8 +13,15 @@
 
 namespace organ_collision::core {
 
-/// Of the last query.
-struct PairTracker::Memory {
+namespace {
+
+/// As many pairs are followed as cost little to keep, and seldom leave too little clear.
+constexpr std::uint32_t kFewPairs = 160;
+constexpr std::uint32_t kManyPairs = 320;
+/// Steps that what is followed must last for, to be worth it.
+constexpr double kWorthSteps = 4.0;
+
+struct LastPairSearch {
   FollowedPairs followed;  // in the second's unit frame
   bool knows_pair = false;
   FarthestPairTree::Leaf leaf_of_first = 0, leaf_of_second = 0;  // the nearest
@@ -24,20 +31,11 @@ struct PairTracker::Memory {
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
 };
 
-namespace {
-
-/// As many pairs are followed as cost little to keep, and seldom leave too little clear.
-constexpr std::uint32_t kFewPairs = 160;
-constexpr std::uint32_t kManyPairs = 320;
-/// Steps that what is followed must last for, to be worth it.
-constexpr double kWorthSteps = 4.0;
-
-}  // namespace
-
-class PairTracker::Search : private NearestPairSearch {
+class TrackedPairSearch : private NearestPairSearch {
  public:
-  Search(const CollisionMesh& first_surface, double travel_of_first, const Eigen::Isometry3d& pose,
-         const CollisionMesh& second_surface, double travel_of_second, Memory& memory)
+  TrackedPairSearch(const CollisionMesh& first_surface, double travel_of_first,
+                    const Eigen::Isometry3d& pose, const CollisionMesh& second_surface,
+                    double travel_of_second, LastPairSearch& memory)
       : NearestPairSearch(first_surface, pose, second_surface, Accuracy::exact()),
         first_state_(first_surface, travel_of_first),
         second_state_(second_surface, travel_of_second),
@@ -123,8 +121,12 @@ class PairTracker::Search : private NearestPairSearch {
   }
 
   const MeshState first_state_, second_state_;
-  Memory& memory_;
+  LastPairSearch& memory_;
 };
+
+}  // namespace
+
+struct PairTracker::Memory : LastPairSearch {};
 
 PairTracker::PairTracker() = default;
 PairTracker::~PairTracker() = default;
@@ -137,7 +139,9 @@ NearestPair PairTracker::nearestPair(const CollisionMesh& first, double travel_o
   requireRigid(second_from_first);
   if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
   const std::optional<NearestPair> pair =
-      Search(first, travel_of_first, second_from_first, second, travel_of_second, *memory_).run();
+      TrackedPairSearch(first, travel_of_first, second_from_first, second, travel_of_second,
+                        *memory_)
+          .run();
   memory_->knows_pair = pair.has_value();
   // Of all triangles that meet a search names any.
   if (!pair) return core::nearestPair(first, second_from_first, second);

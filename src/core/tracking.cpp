@@ -39,10 +39,7 @@ class Patience {
   std::uint32_t left_ = 0;                           // of it
 };
 
-}  // namespace
-
-/// Of the last query.
-struct Tracker::Memory {
+struct LastTipSearch {
   Front front;  // in the unit frame, of the splits of `organ`; perhaps none
   std::array<std::array<double, 3>, 3> origin;  // of the front: where the tip's corners were
   std::uint32_t origin_corners = 0;
@@ -59,9 +56,10 @@ struct Tracker::Memory {
 };
 
 template <class Tip>
-class Tracker::Search : private NearestSearch<Tip> {
+class TrackedSearch : private NearestSearch<Tip> {
  public:
-  Search(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign, Memory& memory)
+  TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
+                LastTipSearch& memory)
       : NearestSearch<Tip>(organ, tip, Accuracy::exact(), sign),
         sign_(sign),
         state_(organ, travel),
@@ -207,9 +205,13 @@ class Tracker::Search : private NearestSearch<Tip> {
 
   const Sign sign_;
   const MeshState state_;
-  Memory& memory_;
+  LastTipSearch& memory_;
   const std::optional<Step> step_;
 };
+
+}  // namespace
+
+struct Tracker::Memory : LastTipSearch {};
 
 Tracker::Tracker() : memory_(std::make_unique<Memory>()) {}
 Tracker::~Tracker() = default;
@@ -219,13 +221,13 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return Search<PointTip>(organ, PointTip(tip), travel, sign, *memory_).run();
+  return TrackedSearch(organ, PointTip(tip), travel, sign, *memory_).run();
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
   requireUsable(tip);
-  return Search<TriangleTip>(organ, TriangleTip(tip), travel, sign, *memory_).run();
+  return TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_).run();
 }
 
 }  // namespace organ_collision::core

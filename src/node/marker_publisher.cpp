@@ -12,7 +12,7 @@ namespace organ_collision::node {
 namespace {
 
 constexpr double kAllPeriod = 2.0;  // [s]
-constexpr unsigned kQueue = 2;
+constexpr unsigned kMarkersQueue = 2;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ MarkerPublisher::MarkerPublisher(const io::Scene& scene, const Instruments& inst
     : scene_(scene), instruments_(instruments), organs_(organs), drawn_versions_(organs.size()) {}
 
 void MarkerPublisher::advertise(ros::NodeHandle& node) {
-  publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", kQueue);
+  publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", kMarkersQueue);
 }
 
 void MarkerPublisher::publish(const Cycle& cycle) {

@@ -10,7 +10,7 @@ namespace organ_collision::node {
 namespace {
 
 /// Taken in faster than they come: each is only added to what waits.
-constexpr unsigned kQueue = 100;
+constexpr unsigned kUpdatesQueue = 100;
 
 bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
   const auto entry = event.getConnectionHeader().find("latching");
@@ -28,7 +28,7 @@ MeshUpdateIntake::MeshUpdateIntake(const Organs& organs, Incidents& refusals,
 
 void MeshUpdateIntake::subscribe(ros::NodeHandle node) {
   node.setCallbackQueue(&queue_);
-  subscriber_ = node.subscribe("mesh_update", kQueue, &MeshUpdateIntake::take, this,
+  subscriber_ = node.subscribe("mesh_update", kUpdatesQueue, &MeshUpdateIntake::take, this,
                                ros::TransportHints().tcpNoDelay());
   spinner_.start();
 }

@@ -26,7 +26,6 @@ class PairTracker {
 
  private:
   struct Memory;
-  class Search;
   std::unique_ptr<Memory> memory_;
 };
 

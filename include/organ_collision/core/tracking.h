@@ -36,8 +36,6 @@ class Tracker {
 
  private:
   struct Memory;
-  template <class Tip>
-  class Search;
   std::unique_ptr<Memory> memory_;
 };
 
