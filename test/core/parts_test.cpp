@@ -14,19 +14,6 @@ using test::cube;
 using test::joined;
 using test::placed;
 
-std::size_t partsOf(const TriangleMesh& mesh) { return MeshTopology(mesh).parts().size(); }
-
-TEST(Parts, AreWhatHangsTogether) {
-  EXPECT_EQ(partsOf(cube()), 1U);
-  EXPECT_EQ(partsOf(test::shuffled(test::blob(4), 5)), 1U);
-  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 0.5, {2, 0, 0}))), 2U);
-  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 1.0, {1, 1, 1}))), 1U) << "they share a vertex";
-  EXPECT_EQ(partsOf(test::shuffled(test::tetrahedra({0, 10, 20, 30}), 6)), 4U);
-  Points points = cube().positions();
-  points.insert(points.begin(), Vector3d(9, 9, 9));
-  EXPECT_EQ(partsOf({points, {test::corners(1, 2, 3)}}), 1U) << "some vertices have no triangle";
-}
-
 TEST(Parts, OneOfWhichIsInsideASolidCollideWithIt) {
   const CollisionMesh solid(cube());
   const CollisionMesh two(

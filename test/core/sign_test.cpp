@@ -190,26 +190,6 @@ TEST(Sign, ComesWithANormalThatLeadsOutwardsAlsoOfAPartThatIsInsideOut) {
   }
 }
 
-TEST(Topology, TellsPiecesFromWhatOnlyTouches) {
-  EXPECT_TRUE(CollisionMesh(test::cube()).topology().isOnePiece());
-  EXPECT_TRUE(CollisionMesh(test::blob(4)).topology().isOnePiece());
-  EXPECT_FALSE(CollisionMesh(test::grid(2, 2)).topology().isOnePiece()) << "open";
-  const TriangleMesh apart = test::joined(test::cube(), test::placed(test::cube(), 1.0, {2, 2, 2}));
-  EXPECT_FALSE(CollisionMesh(apart).topology().isOnePiece());
-  Points points = {{0, 0, 0}};  // a body with forty triangles around a vertex
-  std::vector<Corners> triangles;
-  for (std::size_t i = 0; i < 40; ++i) {
-    const double turn = 0.157 * static_cast<double>(i);
-    points.emplace_back(std::cos(turn), std::sin(turn), i % 2 == 0 ? 0.5 : 0.75);
-  }
-  points.emplace_back(0, 0, 2);
-  for (std::size_t i = 1; i <= 40; ++i) {
-    triangles.push_back(corners(0, i % 40 + 1, i));
-    triangles.push_back(corners(41, i, i % 40 + 1));
-  }
-  EXPECT_TRUE(CollisionMesh(TriangleMesh(points, triangles)).topology().isOnePiece());
-}
-
 /// The vertices that are so many edges away from the first.
 std::vector<std::size_t> verticesAway(const TriangleMesh& mesh, std::size_t edges) {
   std::vector<std::size_t> away(mesh.positions().size(), mesh.positions().size());

@@ -1,0 +1,52 @@
+#include "organ_collision/core/mesh_topology.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "test_meshes.h"
+
+namespace organ_collision::core {
+namespace {
+
+using Eigen::Vector3d;
+using test::cube;
+using test::joined;
+using test::placed;
+
+std::size_t partsOf(const TriangleMesh& mesh) { return MeshTopology(mesh).parts().size(); }
+
+TEST(MeshTopology, HasAsManyPartsAsHangTogether) {
+  EXPECT_EQ(partsOf(cube()), 1U);
+  EXPECT_EQ(partsOf(test::shuffled(test::blob(4), 5)), 1U);
+  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 0.5, {2, 0, 0}))), 2U);
+  EXPECT_EQ(partsOf(joined(cube(), placed(cube(), 1.0, {1, 1, 1}))), 1U) << "they share a vertex";
+  EXPECT_EQ(partsOf(test::shuffled(test::tetrahedra({0, 10, 20, 30}), 6)), 4U);
+  Points points = cube().positions();
+  points.insert(points.begin(), Vector3d(9, 9, 9));
+  EXPECT_EQ(partsOf({points, {test::corners(1, 2, 3)}}), 1U) << "some vertices have no triangle";
+}
+
+TEST(MeshTopology, TellsOnePieceFromWhatOnlyTouches) {
+  EXPECT_TRUE(MeshTopology(test::cube()).isOnePiece());
+  EXPECT_TRUE(MeshTopology(test::blob(4)).isOnePiece());
+  EXPECT_FALSE(MeshTopology(test::grid(2, 2)).isOnePiece()) << "open";
+  const TriangleMesh apart = test::joined(test::cube(), test::placed(test::cube(), 1.0, {2, 2, 2}));
+  EXPECT_FALSE(MeshTopology(apart).isOnePiece());
+  Points points = {{0, 0, 0}};  // a body with forty triangles around a vertex
+  std::vector<Corners> triangles;
+  for (std::size_t i = 0; i < 40; ++i) {
+    const double turn = 0.157 * static_cast<double>(i);
+    points.emplace_back(std::cos(turn), std::sin(turn), i % 2 == 0 ? 0.5 : 0.75);
+  }
+  points.emplace_back(0, 0, 2);
+  for (std::size_t i = 1; i <= 40; ++i) {
+    triangles.push_back(test::corners(0, i % 40 + 1, i));
+    triangles.push_back(test::corners(41, i, i % 40 + 1));
+  }
+  EXPECT_TRUE(MeshTopology(TriangleMesh(points, triangles)).isOnePiece());
+}
+
+}  // namespace
+}  // namespace organ_collision::core
