@@ -13,15 +13,8 @@
 
 namespace organ_collision::core {
 
-namespace {
-
-/// As many pairs are followed as cost little to keep, and seldom leave too little clear.
-constexpr std::uint32_t kFewPairs = 160;
-constexpr std::uint32_t kManyPairs = 320;
-/// Steps that what is followed must last for, to be worth it.
-constexpr double kWorthSteps = 4.0;
-
-struct LastPairSearch {
+/// Of the last query.
+struct PairTracker::Memory {
   FollowedPairs followed;  // in the second's unit frame
   bool knows_pair = false;
   FarthestPairTree::Leaf leaf_of_first = 0, leaf_of_second = 0;  // the nearest
@@ -31,11 +24,20 @@ struct LastPairSearch {
   double slack = 0.0;  // what is farther than the nearest by this is to be followed
 };
 
+namespace {
+
+/// As many pairs are followed as cost little to keep, and seldom leave too little clear.
+constexpr std::uint32_t kFewPairs = 160;
+constexpr std::uint32_t kManyPairs = 320;
+/// Steps that what is followed must last for, to be worth it.
+constexpr double kWorthSteps = 4.0;
+
+template <class Memory>
 class TrackedPairSearch : private NearestPairSearch {
  public:
   TrackedPairSearch(const CollisionMesh& first_surface, double travel_of_first,
                     const Eigen::Isometry3d& pose, const CollisionMesh& second_surface,
-                    double travel_of_second, LastPairSearch& memory)
+                    double travel_of_second, Memory& memory)
       : NearestPairSearch(first_surface, pose, second_surface, Accuracy::exact()),
         first_state_(first_surface, travel_of_first),
         second_state_(second_surface, travel_of_second),
@@ -121,12 +123,10 @@ class TrackedPairSearch : private NearestPairSearch {
   }
 
   const MeshState first_state_, second_state_;
-  LastPairSearch& memory_;
+  Memory& memory_;
 };
 
 }  // namespace
-
-struct PairTracker::Memory : LastPairSearch {};
 
 PairTracker::PairTracker() = default;
 PairTracker::~PairTracker() = default;

@@ -10,11 +10,9 @@
 
 namespace organ_collision::core {
 
-namespace {
-
 /// Whether to follow on: where triangles are small for the tip's steps, it costs more than it
 /// saves. Then it is tried again after ever longer rests, in which tips are searched for.
-class Patience {
+class Tracker::Patience {
  public:
   void noteHit() { ++hits_; }
   /// After a miss.
@@ -39,7 +37,8 @@ class Patience {
   std::uint32_t left_ = 0;                           // of it
 };
 
-struct LastTipSearch {
+/// Of the last query.
+struct Tracker::Memory {
   Front front;  // in the unit frame, of the splits of `organ`; perhaps none
   std::array<std::array<double, 3>, 3> origin;  // of the front: where the tip's corners were
   std::uint32_t origin_corners = 0;
@@ -55,11 +54,13 @@ struct LastTipSearch {
   Feature feature;
 };
 
-template <class Tip>
+namespace {
+
+template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
  public:
   TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
-                LastTipSearch& memory)
+                Memory& memory)
       : NearestSearch<Tip>(organ, tip, Accuracy::exact(), sign),
         sign_(sign),
         state_(organ, travel),
@@ -205,13 +206,11 @@ class TrackedSearch : private NearestSearch<Tip> {
 
   const Sign sign_;
   const MeshState state_;
-  LastTipSearch& memory_;
+  Memory& memory_;
   const std::optional<Step> step_;
 };
 
 }  // namespace
-
-struct Tracker::Memory : LastTipSearch {};
 
 Tracker::Tracker() : memory_(std::make_unique<Memory>()) {}
 Tracker::~Tracker() = default;

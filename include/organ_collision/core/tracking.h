@@ -35,6 +35,7 @@ class Tracker {
                                   Sign sign = Sign::kProven);
 
  private:
+  class Patience;
   struct Memory;
   std::unique_ptr<Memory> memory_;
 };
