@@ -99,19 +99,20 @@ Found byGjk(const Points& first, const Points& second) {
   return {best, false};
 }
 
-/// Takes the one of these normals along which the gap is largest, of those that the way between the
-/// points found has: of faces that are as near, or narrow, some have another. False if none has.
-bool takeNormal(const std::array<Vector3d, 3>& normals, const Vector3d& way, const Points& first,
-                const Points& second, HullDistance& found) {
-  found.gap = -std::numeric_limits<double>::infinity();
+/// Of these normals, those that lead along `way` (of faces that are as near, or narrow, some do
+/// not): the one along which the gap is largest.
+std::optional<Vector3d> bestNormal(const std::array<Vector3d, 3>& normals, const Vector3d& way,
+                                   const Points& first, const Points& second) {
+  std::optional<Vector3d> best;
+  double largest_gap = -std::numeric_limits<double>::infinity();
   for (const Vector3d& normal : normals) {
     if (normal.isZero(0.0) || normal.dot(way) < way.norm() - kProven) continue;
     const double gap = gapAlong(normal, first, second);
-    if (!(gap > found.gap)) continue;
-    found.gap = gap;
-    found.normal = normal;
+    if (!(gap > largest_gap)) continue;
+    largest_gap = gap;
+    best = normal;
   }
-  return std::isfinite(found.gap);
+  return best;
 }
 
 /// By EPA; nothing where no normal is known. REQUIRES: the corners are not in one plane.
@@ -120,18 +121,20 @@ std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Po
   constexpr int kSteps = 256;
   Polytope polytope(corners);
   for (int i = 0; i < kSteps; ++i) {
-    Polytope::Face& nearest = polytope.nearestPlane();
+    const Polytope::Face& nearest = polytope.nearestPlane();
     const Polytope::Corner corner = farthestCorner(nearest.normal, first, second);
     if (nearest.normal.dot(corner.place) - nearest.offset <= kProven / 8) break;
-    if (!polytope.add(corner)) Polytope::passBy(nearest);
+    if (!polytope.add(corner)) polytope.passByNearest();
   }
   HullDistance found = polytope.nearestPoints();
   const Vector3d apart = found.on_second - found.on_first;
   const Vector3d way = polytope.holdsOrigin() ? -apart : apart;
   found.most = polytope.holdsOrigin() ? -way.norm() : way.norm();
-  const std::array<Vector3d, 3> normals = {found.normal, way.stableNormalized(),
-                                           polytope.nearestPlane().normal};
-  if (!takeNormal(normals, way, first, second, found)) return std::nullopt;
+  const std::optional<Vector3d> normal = bestNormal(
+      {found.normal, way.stableNormalized(), polytope.nearestPlane().normal}, way, first, second);
+  if (!normal) return std::nullopt;
+  found.normal = *normal;
+  found.gap = gapAlong(found.normal, first, second);
   return found;
 }
 
@@ -146,7 +149,8 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
   constexpr int kSteps = 16;
   constexpr double kRoom = 0x1p-7;
   constexpr double kRounding = 1e-15;
-  constexpr double kLoss = 16 * kPrecision;  // points that GJK found are worth it
+  constexpr double kLoss =
+      16 * kPrecision;  // points of GJK are worth it: the first are any corners
   const double gap_there = gapAlong(normal, first, second);
   HullDistance best = {gap_there, gap_there, normal, farthest(first, normal),
                        farthest(second, -normal)};

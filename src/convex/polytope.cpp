@@ -15,6 +15,8 @@ using Eigen::Vector3d;
 
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 /// Of both corners along a direction the one that is farther from a plane through `from`.
@@ -79,8 +81,7 @@ void Polytope::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const Vector3d& place = corners_[a].place;
   const Vector3d normal =
       (corners_[b].place - place).cross(corners_[c].place - place).stableNormalized();
-  faces_.push_back({{a, b, c}, normal, normal.dot(place)});
-  if (normal.isZero(0.0)) passBy(faces_.back());
+  faces_.push_back({{a, b, c}, normal, normal.isZero(0.0) ? kInfinity : normal.dot(place)});
 }
 
 /// From outside.
@@ -113,18 +114,21 @@ bool Polytope::add(const Corner& corner) {
   return true;
 }
 
-void Polytope::passBy(Face& face) { face.offset = std::numeric_limits<double>::infinity(); }
-
-Polytope::Face& Polytope::nearestPlane() {
-  return *std::min_element(faces_.begin(), faces_.end(), [](const Face& left, const Face& right) {
-    return left.offset < right.offset;
-  });
+std::size_t Polytope::nearestFace() const {
+  const auto nearest = std::min_element(
+      faces_.begin(), faces_.end(),
+      [](const Face& left, const Face& right) { return left.offset < right.offset; });
+  return static_cast<std::size_t>(nearest - faces_.begin());
 }
+
+const Polytope::Face& Polytope::nearestPlane() const { return faces_[nearestFace()]; }
+
+void Polytope::passByNearest() { faces_[nearestFace()].offset = kInfinity; }
 
 HullDistance Polytope::nearestPoints() const {
   HullDistance nearest{};
   nearest.normal = Vector3d::Zero();
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (const Face& face : faces_) {
     const auto& [a, b, c] = face.corners;
     const core::ClosestPoint closest = core::closestPointOnTriangle(

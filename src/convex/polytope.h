@@ -21,7 +21,7 @@ class Polytope {
   struct Face {
     std::array<std::uint32_t, 3> corners;  ///< anticlockwise, seen from outside
     Eigen::Vector3d normal;                ///< unit, outwards; zero where it has no area
-    double offset;                         ///< of its plane from the origin, along that
+    double offset;  ///< of its plane from the origin, along that; infinite: it is passed by
   };
 
   /// REQUIRES: they are not in one plane.
@@ -31,11 +31,11 @@ class Polytope {
   bool add(const Corner& corner);
 
   /// The face whose plane is nearest to the origin from outside or, if the origin is not inside,
-  /// farthest beyond it; none without area, nor one that is passed by, but where all are so.
-  Face& nearestPlane();
+  /// farthest beyond it. One without area is passed by, unless all are.
+  const Face& nearestPlane() const;
 
-  /// Leaves a face out of that: so narrow a one that its normal is nothing but rounding.
-  static void passBy(Face& face);
+  /// Leaves that face out from now on: it is so narrow that its normal is nothing but rounding.
+  void passByNearest();
 
   /// Inside or on it, decided exactly.
   bool holdsOrigin() const;
@@ -45,6 +45,7 @@ class Polytope {
   HullDistance nearestPoints() const;
 
  private:
+  std::size_t nearestFace() const;
   bool sees(const Eigen::Vector3d& place, const Face& face) const;
   void addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 

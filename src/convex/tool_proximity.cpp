@@ -47,7 +47,7 @@ core::UnitFrame unitFrameOf(const Hull& first, const Hull& second) {
   return core::unitFrame(box);
 }
 
-/// Without what FCL's squares would lose: of a size that has no inverse all is at one place.
+/// Coordinates that FCL's squares would lose become 0; only of denormal sizes all are that small.
 Points inFrame(const core::UnitFrame& frame, Points points) {
   constexpr double kLeast = 0x1p-500;
   for (Vector3d& point : points) {

@@ -32,6 +32,7 @@ constexpr std::uint32_t kManyPairs = 320;
 /// Steps that what is followed must last for, to be worth it.
 constexpr double kWorthSteps = 4.0;
 
+// `Memory`, which is private, has one name only by a template.
 template <class Memory>
 class TrackedPairSearch : private NearestPairSearch {
  public:

@@ -56,6 +56,7 @@ struct Tracker::Memory {
 
 namespace {
 
+// `Memory`, which is private, has one name only by a template.
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
  public:

@@ -5,9 +5,12 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "bytes.h"
 #include "sandbox.h"
@@ -17,27 +20,31 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
-/// While it lives, it keeps the first error that urdfdom tells. All are told as before, too.
-class FirstError : public console_bridge::OutputHandler {
+/// While it lives, it keeps the errors that urdfdom tells. All are told as before, too.
+class Errors : public console_bridge::OutputHandler {
  public:
-  FirstError() : former_(console_bridge::getOutputHandler()) {
-    console_bridge::useOutputHandler(this);
-  }
-  ~FirstError() override { console_bridge::useOutputHandler(former_); }
-  FirstError(const FirstError&) = delete;
-  FirstError& operator=(const FirstError&) = delete;
+  Errors() : former_(console_bridge::getOutputHandler()) { console_bridge::useOutputHandler(this); }
+  ~Errors() override { console_bridge::useOutputHandler(former_); }
+  Errors(const Errors&) = delete;
+  Errors& operator=(const Errors&) = delete;
 
-  const std::string& text() const { return text_; }
+  /// Empty if there is none.
+  std::string first() const { return texts_.empty() ? "" : texts_.front(); }
+  /// The one just before another; empty if there is none.
+  std::string before(const std::string& other) const {
+    const auto found = std::find(texts_.begin(), texts_.end(), other);
+    return found == texts_.begin() || found == texts_.end() ? "" : *std::prev(found);
+  }
 
  private:
   void log(const std::string& text, console_bridge::LogLevel level, const char* file,
            int line) override {
-    if (text_.empty() && level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR) text_ = text;
+    if (level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR) texts_.push_back(text);
     if (former_ != nullptr) former_->log(text, level, file, line);
   }
 
   console_bridge::OutputHandler* const former_;
-  std::string text_;
+  std::vector<std::string> texts_;
 };
 
 const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string& name) {
@@ -109,16 +116,17 @@ std::vector<LinkCollision> decodeCollisions(std::string_view bytes) {
 
 std::vector<LinkCollision> readCollisions(const std::string& robot_description,
                                           const std::string& link) {
-  FirstError error;
+  Errors errors;
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(robot_description);
-  if (!robot) refuse("the description cannot be read as URDF: " + error.text());
+  if (!robot) refuse("the description cannot be read as URDF: " + errors.first());
   const auto& found = linkNamed(*robot, link).collision_array;
   const std::size_t wanted = collisionCount(robot_description, link);
   if (wanted == 0) refuse("it has no <collision>");
   if (found.size() != wanted) {
-    const std::string reason = error.text().empty() ? "" : ": " + error.text();
+    const std::string reason =
+        errors.before("Could not parse collision element for Link [" + link + "]");
     refuse(std::to_string(found.size()) + " of its " + std::to_string(wanted) +
-           " <collision> can be read" + reason);
+           " <collision> can be read" + (reason.empty() ? "" : ": " + reason));
   }
   std::vector<LinkCollision> collisions;
   collisions.reserve(found.size());

@@ -8,7 +8,6 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>

@@ -13,6 +13,7 @@
 #include <organ_collision/UpdateMesh.h>
 
 #include <Eigen/Geometry>
+#include <cstdint>
 
 #include "node/organ.h"
 #include "organ_collision/core/nearest_triangle.h"

@@ -17,7 +17,7 @@
 
 namespace organ_collision::node {
 
-/// What goes wrong between two cycles, noted by any thread.
+/// What went wrong until diagnostics tell it, noted by any thread.
 struct Troubles {
   Incidents tf_complaints, update_refusals;
   std::atomic<std::uint64_t> times_behind{0};  ///< that poses were left out

@@ -2,10 +2,13 @@
 
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <utility>
 #include <variant>
 
 #include "node/conversions.h"

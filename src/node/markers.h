@@ -4,8 +4,11 @@
 #include <organ_collision/ProximityArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "node/contact_cycle.h"
+#include <cstddef>
+
 #include "node/instrument.h"
+#include "node/organ.h"
+#include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
 
@@ -13,7 +16,7 @@ namespace organ_collision::node {
 visualization_msgs::MarkerArray organMarkers(const Organ& organ);
 
 /// The shapes that an instrument's contacts are of, see-through in its colour, in its own frame;
-/// what has no thickness is drawn a millimetre thick.
+/// points and thin capsules are drawn a millimetre thick.
 visualization_msgs::MarkerArray instrumentMarkers(const Instruments& instruments,
                                                   std::size_t number);
 

@@ -18,8 +18,8 @@ namespace organ_collision::node {
 /// each update to its organ, and counts what was refused or lost.
 class MeshUpdateIntake {
  public:
-  /// Both must outlive this. `publish_mesh_info` is called, by that thread, when an update was
-  /// refused.
+  /// Both must outlive this. `publish_mesh_info` is called, by that thread, when an organ
+  /// has refused an update.
   MeshUpdateIntake(const Organs& organs, Incidents& refusals,
                    std::function<void()> publish_mesh_info);
 

@@ -46,7 +46,7 @@ class PairPose {
   /// more than a Duration can hold.
   ros::Duration age(const ros::Time& now) const;
 
-  /// Told before time jumped back: its stamp is still to come.
+  /// More than TransformIntake lets pass: it was told before time jumped back.
   bool isAhead(const ros::Time& now) const;
 
   /// The first's pose, or that of the scene's frame, is not that of now.

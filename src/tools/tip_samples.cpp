@@ -28,7 +28,7 @@ std::vector<double> areas(const core::TriangleMesh& mesh) {
   }
   if (!(sum > 0.0) || !std::isfinite(sum)) {
     std::ostringstream message;
-    message << "the mesh has no area to put tips beside: of its triangles all together it is "
+    message << "the mesh has no area to put tips beside that can be told: its triangles' sum to "
             << sum << " m^2";
     throw std::runtime_error(message.str());
   }

@@ -298,17 +298,18 @@ std::string report(const Trade& trade) {
 }
 
 std::string csv(const Trade& trade) {
-  std::string text;
+  const auto line = [](const std::vector<Cell>& row, std::string Cell::*part) {
+    std::vector<std::string> fields;
+    for (const Cell& cell : row) fields.push_back(cell.*part);
+    return csvLine(fields);
+  };
+  BandTrade empty;  // a heading there is also where no band has tips
+  empty.samples.resize(1);
+  empty.summaries.resize(1);
+  std::string text = line(csvRow(trade, empty, 0), &Cell::column);
   for (const BandTrade* band : allBands(trade)) {
-    for (std::size_t s = 0; s < band->summaries.size(); ++s) {
-      std::vector<std::string> columns, values;
-      for (Cell& cell : csvRow(trade, *band, s)) {
-        columns.push_back(std::move(cell.column));
-        values.push_back(std::move(cell.value));
-      }
-      if (text.empty()) text = csvLine(columns);
-      text += csvLine(values);
-    }
+    for (std::size_t s = 0; s < band->summaries.size(); ++s)
+      text += line(csvRow(trade, *band, s), &Cell::value);
   }
   return text;
 }

@@ -29,10 +29,10 @@ TEST(MeshTopology, HasAsManyPartsAsHangTogether) {
 }
 
 TEST(MeshTopology, TellsOnePieceFromWhatOnlyTouches) {
-  EXPECT_TRUE(MeshTopology(test::cube()).isOnePiece());
+  EXPECT_TRUE(MeshTopology(cube()).isOnePiece());
   EXPECT_TRUE(MeshTopology(test::blob(4)).isOnePiece());
   EXPECT_FALSE(MeshTopology(test::grid(2, 2)).isOnePiece()) << "open";
-  const TriangleMesh apart = test::joined(test::cube(), test::placed(test::cube(), 1.0, {2, 2, 2}));
+  const TriangleMesh apart = joined(cube(), placed(cube(), 1.0, {2, 2, 2}));
   EXPECT_FALSE(MeshTopology(apart).isOnePiece());
   Points points = {{0, 0, 0}};  // a body with forty triangles around a vertex
   std::vector<Corners> triangles;

@@ -133,9 +133,11 @@ TEST(NearestPair, ProvesNothingOfASurfaceWithAVertexInAnotherGalaxy) {
             least, closestPoints({pose * a, pose * b, pose * c}, organ.mesh().triangle(others))
                        .on_second.squared_distance);
     }
-    const NearestTriangle nearest = nearestPair(tool, pose, organ).nearest;
-    ASSERT_LE(std::abs(nearest.lower_bound), std::sqrt(least));
-    ASSERT_GE(nearest.upper_bound, std::sqrt(least));
+    for (const NearestTriangle& nearest : {nearestPair(tool, pose, organ).nearest,
+                                           nearestPair(organ, pose.inverse(), tool).nearest}) {
+      ASSERT_EQ(nearest.lower_bound, 0.0);
+      ASSERT_GE(nearest.upper_bound, std::sqrt(least) - 1e-15);
+    }
     const RigidMesh shape{std::make_shared<const CollisionMesh>(tool), pose};
     const Contact touching = contact(organ, Shape(shape));
     ASSERT_TRUE(least > 0.0 || touching.colliding || !touching.colliding_certain);

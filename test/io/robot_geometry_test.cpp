@@ -102,6 +102,11 @@ TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
         << unreadable;
   }
   EXPECT_THAT(refusal(robot(collision("<cone/>"))), HasSubstr("'cone'"));
+  std::string two = robot(collision("<cone/>"));
+  const std::string bed = R"(<link name="bed"/>)";
+  two.replace(two.find(bed), bed.size(),
+              R"(<link name="bed">)" + collision("<torus/>") + "</link>");
+  EXPECT_THAT(refusal(two), HasSubstr("'cone'"));
 }
 
 TEST(RobotGeometry, RefusesShapesThatAreNoMesh) {

@@ -5,6 +5,7 @@ import unittest
 import numpy as np
 import rospy
 from rostest_support import PATIENCE, TOLERANCE, ContactsInbox, Inbox, coordinates, run, wait_until
+from visualization_msgs.msg import MarkerArray
 
 from organ_collision.msg import Contact, ProximityArray
 
@@ -47,6 +48,9 @@ class Example(unittest.TestCase):
             self.assertEqual({named(each.first, each.second) for each in array.proximities}, others)
             for each in array.proximities:
                 self.check(each.status, each.distance, each.point_on_first, each.point_on_second)
+            if any(np.isfinite(each.distance) for each in array.proximities):
+                Inbox(node + "/markers", MarkerArray).wait_for(
+                    lambda array: any(each.ns == "proximity" for each in array.markers))
 
     def test_the_instruments_move(self):
         for node in rospy.get_param("~nodes", ["organ_collision"]):

@@ -110,6 +110,12 @@ class SettingsAndDisplays(unittest.TestCase):
             corners = self.surface.corners[contact_of(array, name).nearest.triangle]
             np.testing.assert_allclose(self.triangles_of(lit[colour])[0], corners, rtol=0, atol=LIFT)
 
+    def test_markers_show_the_instruments_where_their_frames_are(self):
+        def frames(array):
+            return {(each.ns, each.header.frame_id) for each in array.markers if each.ns.startswith("shape_of_")}
+        array = Inbox("organ_collision/markers", MarkerArray).wait_for(frames)
+        self.assertTrue({("shape_of_left", "left_tip"), ("shape_of_right", "right_tip")} <= frames(array))
+
     def shows_the_surface(self, array):
         return any(marker.type == Marker.TRIANGLE_LIST and len(marker.points) == 3 * len(self.surface.triangles)
                    for marker in array.markers)

@@ -129,6 +129,7 @@ TEST(Csv, HasAsManyFieldsInEachRowAsInItsHeader) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
   }
   EXPECT_EQ(rows, dial().size()) << "an empty band has no rows";
+  EXPECT_EQ(csv(tradeOf({emptyBand("inside")})), header + "\n");
 }
 
 TEST(Figure, EmphasisesWhatNoOtherSettingBeats) {

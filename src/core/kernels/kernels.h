@@ -11,9 +11,10 @@
 #include "organ_collision/core/ids.h"
 #include "organ_collision/core/wide_node.h"
 
-// The door to this folder, which is translated once for each vector unit. Plain data only goes
-// through: no code that is translated for one unit may be called by code for another. So all behind
-// it has internal linkage, and uses nothing of std that has not.
+// The door to what is translated once for each vector unit: the other headers of this folder, by
+// kernels_*.cpp. Only plain data goes through (search.h, pair_search.h, descent.h): no code that is
+// translated for one unit may be called by code for another. So all code behind it has internal
+// linkage, and of std it uses types and std::array's access.
 namespace organ_collision::core {
 
 /// How closely a node's boxes are drawn: around boxes that lie some levels below, which takes the
