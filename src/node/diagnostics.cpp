@@ -43,13 +43,20 @@ void Diagnostics::diagnose(Status& status) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         complaint.first + " to " + complaint.second + ": " + complaint.reason);
   }
-  if (ros::Time::isSimTime() && ros::Time::now().isZero())
-    status.mergeSummary(DiagnosticStatus::WARN, "use_sim_time is set, but /clock stands at 0");
+  diagnoseClock(status);
   diagnoseHaste(status);
   diagnoseNews("complaints about tf", troubles_.tf_complaints, status);
   diagnoseNews("mesh updates refused", troubles_.update_refusals, status);
   status.add("computation time of the last cycle [us]", 1e6 * cycle->contacts.computation_time);
   for (std::size_t i = 0; i < organs_.size(); ++i) diagnoseOrgan(i, status);
+}
+
+/// The log is told, too: all else that is to be seen is that no pose comes.
+void Diagnostics::diagnoseClock(Status& status) {
+  if (!ros::Time::isSimTime() || !ros::Time::now().isZero()) return;
+  const std::string sentence = "use_sim_time is set, but /clock stands at 0";
+  status.mergeSummary(DiagnosticStatus::WARN, sentence);
+  if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
 }
 
 /// A warning each time that it happened again.
@@ -91,7 +98,7 @@ void Diagnostics::warnOfHealth(std::size_t organ, std::vector<std::string> sente
   for (const std::string& sentence : sentences) {
     if (std::count(known.begin(), known.end(), sentence) > 0) continue;
     const std::string warning = since + sentence;
-    if (health_log_.allows(warning)) ROS_WARN("%s", warning.c_str());
+    if (log_.allows(warning)) ROS_WARN("%s", warning.c_str());
   }
   health_told_[organ] = std::move(sentences);
 }

@@ -23,7 +23,7 @@ struct Troubles {
   std::atomic<std::uint64_t> times_behind{0};  ///< that poses were left out
 };
 
-/// Tells /diagnostics, and the log of an organ's health, what is wrong. For one thread.
+/// Tells /diagnostics what is wrong, and the log what is told nowhere else. For one thread.
 class Diagnostics {
  public:
   /// Organs and troubles must outlive this.
@@ -37,6 +37,7 @@ class Diagnostics {
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
   void diagnose(Status& status);
+  void diagnoseClock(Status& status);
   void diagnoseHaste(Status& status);
   void diagnoseOrgan(std::size_t number, Status& status);
   void warnOfHealth(std::size_t organ, std::vector<std::string> sentences);
@@ -46,7 +47,7 @@ class Diagnostics {
   const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
   std::uint64_t times_behind_told_ = 0;
   std::vector<std::vector<std::string>> health_told_;  // of the organs
-  LogLimit health_log_;
+  LogLimit log_;
   diagnostic_updater::Updater updater_;
 };
 

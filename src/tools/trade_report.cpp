@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
-#include <utility>
 
 #include "output.h"
 
@@ -299,8 +299,8 @@ std::string report(const Trade& trade) {
 
 std::string csv(const Trade& trade) {
   const auto line = [](const std::vector<Cell>& row, std::string Cell::*part) {
-    std::vector<std::string> fields;
-    for (const Cell& cell : row) fields.push_back(cell.*part);
+    std::vector<std::string> fields(row.size());
+    std::transform(row.begin(), row.end(), fields.begin(), std::mem_fn(part));
     return csvLine(fields);
   };
   BandTrade empty;  // a heading there is also where no band has tips

@@ -6,7 +6,7 @@ import unittest
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from rostest_support import ContactsInbox, Frames, Inbox, KeepMoving, Pose, Services, run, wait_until
 
 from organ_collision.msg import Contact
@@ -53,9 +53,11 @@ class SimulatorClock:
 class SimTime(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        log = Inbox("/rosout", Log)
         cls.contacts = ContactsInbox()
         cls.before_any_clock = cls.contacts.collect(HEARTBEATS)
         cls.diagnosed_before_any_clock = Inbox("/diagnostics", DiagnosticArray).wait_for()
+        log.wait_for(lambda each: "/clock stands at 0" in each.msg)
         cls.clock = SimulatorClock()
         wait_until(lambda: rospy.get_time() >= START, "the clock")
         cls.frames = Frames()
