@@ -66,6 +66,13 @@ inline NearestTriangle unsignedAnswer(const CollisionMesh& organ, FarthestPairTr
           work};
 }
 
+/// Adds what the surface around the nearest point tells: the normal, and the sign where it is
+/// proven. `corner` is one of the tip's.
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest);
+/// REQUIRES: `normal` is the surface's at the nearest point.
+void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const SurfaceNormal& normal,
+             NearestTriangle& nearest);
+
 /// Room for what waits while a tree is searched; the calling thread's.
 FrontierRoom roomFor(const WideTree& tree);
 
@@ -121,6 +128,13 @@ class NearestSearch : protected Search {
       measureAll();
     }
     return answer();
+  }
+
+  /// Adds normal and sign to the answer. REQUIRES: it is run()'s.
+  void addSignTo(NearestTriangle& nearest) const {
+    addSign(organ_, tip_.corner(0),
+            unlessContested(surfaceNormal(organ_, nearest.triangle, nearest.closest.feature)),
+            nearest);
   }
 
   /// The normal at the nearest point, not clear where another may be meant. REQUIRES: run().
@@ -246,12 +260,5 @@ class NearestSearch : protected Search {
   double squared_tie_ = std::numeric_limits<double>::infinity();
   bool is_contested_ = false;  // another feature is as near, but for rounding
 };
-
-/// Adds what the surface around the nearest point tells: the normal, and the sign where it is
-/// proven. `corner` is one of the tip's.
-void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, NearestTriangle& nearest);
-/// REQUIRES: `normal` is the surface's at the nearest point.
-void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const SurfaceNormal& normal,
-             NearestTriangle& nearest);
 
 }  // namespace organ_collision::core

@@ -6,7 +6,6 @@
 
 #include "core/greedy_search.h"
 #include "core/nearest_search.h"
-#include "organ_collision/core/sign.h"
 
 namespace organ_collision::core {
 
@@ -38,10 +37,7 @@ template <class Tip>
                                                          const Accuracy& accuracy, Sign sign) {
   NearestSearch<Tip> search(organ, tip, accuracy, sign);
   NearestTriangle nearest = search.run();
-  if (sign == Sign::kProven)
-    addSign(organ, tip.corner(0),
-            search.unlessContested(surfaceNormal(organ, nearest.triangle, nearest.closest.feature)),
-            nearest);
+  if (sign == Sign::kProven) search.addSignTo(nearest);
   return nearest;
 }
 

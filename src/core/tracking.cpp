@@ -75,11 +75,7 @@ class TrackedSearch : private NearestSearch<Tip> {
   /// What was followed is as far away as it was.
   NearestTriangle runFar() {
     NearestTriangle nearest = NearestSearch<Tip>::run();
-    if (sign_ == Sign::kProven)
-      addSign(this->organ_, this->tip_.corner(0),
-              this->unlessContested(
-                  surfaceNormal(this->organ_, nearest.triangle, nearest.closest.feature)),
-              nearest);
+    if (sign_ == Sign::kProven) this->addSignTo(nearest);
     return nearest;
   }
 
