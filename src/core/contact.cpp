@@ -70,14 +70,14 @@ NearestTriangle nearestWithin(const Asker& asker, const RoundShape& shape,
       shape.core, {0.0, std::max(accuracy.max_absolute_error, allowed), accuracy.max_leaves});
 }
 
-/// The unit vector square to `axis` that is nearest to `direction`, which has length 1 or 0; any
-/// square one where the two are parallel, but for rounding.
-Vector3d squareTo(const Vector3d& axis, const Vector3d& direction) {
+/// The unit vector perpendicular to `axis` that is nearest to `direction`, which has length 1 or 0;
+/// any where the two are parallel, but for rounding.
+Vector3d perpendicularTo(const Vector3d& axis, const Vector3d& direction) {
   constexpr double kParallel = 0x1p-20;  // of 1: above it rounding does not decide what is left
   const Vector3d along = axis.stableNormalized();
-  const Vector3d square = direction - along.dot(direction) * along;
-  if (square.norm() < kParallel) return along.unitOrthogonal();
-  return (square - along.dot(square) * along).normalized();
+  const Vector3d perpendicular = direction - along.dot(direction) * along;
+  if (perpendicular.norm() < kParallel) return along.unitOrthogonal();
+  return (perpendicular - along.dot(perpendicular) * along).normalized();
 }
 
 /// Unit, from the core into the organ, where its nearest point is.
@@ -89,8 +89,8 @@ Vector3d directionInwards(const NearestTriangle& nearest) {
 }
 
 /// The direction in which the surface of the shape is just one radius from its core's nearest or
-/// deepest point, and nearest to `direction`: on a segment square to it, at an end anywhere but
-/// back along it.
+/// deepest point, and nearest to `direction`: on a segment perpendicular to it, at an end anywhere
+/// but back along it.
 Vector3d towardsSurface(const Vector3d& direction, const NearestTriangle& nearest,
                         const Triangle& core) {
   const Vector3d axis = core.b - core.a;
@@ -102,7 +102,7 @@ Vector3d towardsSurface(const Vector3d& direction, const NearestTriangle& neares
   if (axis.isZero(0.0) || (at_a && (along <= 0.0 || is_short)) ||
       (at_b && (along >= 0.0 || is_short)))
     return direction;
-  return squareTo(axis, direction);
+  return perpendicularTo(axis, direction);
 }
 
 /// The answer to a core as that of the shape around it.

@@ -182,7 +182,7 @@ void NearestPairSearch::measure(FarthestPairTree::Leaf leaf_of_first,
   squared_best_ = squared_distance;
   best = std::min(best, std::sqrt(squared_distance) * second_.wideTree().frame().scale);
   const Eigen::Vector3d along = candidate.on_second.offset.stableNormalized();
-  way = {along.x(), along.y(), along.z()};
+  axis = {along.x(), along.y(), along.z()};
 }
 
 NearestPair NearestPairSearch::answer() const {

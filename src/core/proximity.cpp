@@ -20,7 +20,7 @@ Vector3d unitOrZero(const Vector3d& vector) {
   return vector.isZero(0.0) ? Vector3d(Vector3d::Zero()) : vector.stableNormalized();
 }
 
-/// Unit, from the first core to the second; where two axes cross, square to both; else zero.
+/// Unit, from the first core to the second; where two axes cross, perpendicular to both; else zero.
 Vector3d direction(const ClosestPair& pair, const Triangle& first, const Triangle& second) {
   const Vector3d& offset = pair.on_second.offset;
   if (!offset.isZero(0.0)) return offset.stableNormalized();

@@ -131,10 +131,10 @@ class TrackedSearch : private NearestSearch<Tip> {
   bool follow() {
     Front& kept = memory_.front;
     kept.drift += step_->of_mesh;
-    kept.way += step_->of_both;
+    kept.approach += step_->of_both;
     if (!state_.hasPositionsOf(memory_.organ)) kept.tied_vertex = kNoVertex;
     const bool is_worn = memory_.fresh_count > 0 && kept.count > memory_.fresh_count + kMostOpened;
-    if (is_worn || !(kept.way < kFar)) return false;
+    if (is_worn || !(kept.approach < kFar)) return false;
     const Eigen::Vector3d moved =
         (this->organ_.wideTree().frame().centre - memory_.centre) * this->scale_;
     for (std::uint32_t i = 0; i < this->corner_count; ++i)
@@ -170,7 +170,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     Front& kept = memory_.front;
     this->front = &kept;
     kept.count = 0;
-    kept.drift = kept.way = 0.0;
+    kept.drift = kept.approach = 0.0;
     kept.shift = {};
     memory_.origin = this->corners;
     memory_.origin_corners = this->corner_count;

@@ -94,10 +94,35 @@ Corners longestEdgeFirst(const Corners& corners, const Triangle& triangle) {
   return bc >= ca ? Corners{b, c, a} : Corners{c, a, b};
 }
 
+/// Packets that know their leaves and parents.
+HugePageVector<TrianglePacket> emptyPackets(const Collapse::Layout& layout) {
+  HugePageVector<TrianglePacket> packets(layout.packets.size());
+  forEach(packets.size(), kPacketGrain, [&](std::size_t self) {
+    const auto& [begin, end, parent] = layout.packets[self];
+    packets[self].first_leaf = begin;
+    packets[self].lane_count = end - begin;
+    packets[self].parent = parent;
+  });
+  return packets;
+}
+
+/// Of each triangle its packet * kLaneCount + its lane.
+HugePageVector<std::uint32_t> slotsOf(const FarthestPairTree& tree,
+                                      const HugePageVector<TrianglePacket>& packets) {
+  HugePageVector<std::uint32_t> slots(tree.root().size());
+  forEach(packets.size(), kPacketGrain, [&](std::size_t self) {
+    const TrianglePacket& packet = packets[self];
+    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
+      slots[index(tree.triangle(packet.first_leaf + lane))] =
+          static_cast<std::uint32_t>(self) * kLaneCount + lane;
+  });
+  return slots;
+}
+
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : frame_(frame), corners_(mesh.triangleCount()), slots_(mesh.triangleCount()) {
+    : frame_(frame), corners_(mesh.triangleCount()) {
   Collapse::Centroids centroids(mesh.triangleCount());
   HugePageVector<Corners> longest_edges_first(mesh.triangleCount());
   forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
@@ -110,16 +135,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   levels_ = std::move(layout.levels);
   nodes_.resize(layout.nodes.size());
   parents_.resize(nodes_.size());
-  packets_.resize(layout.packets.size());
-  forEach(packets_.size(), kPacketGrain, [&](std::size_t self) {
-    const auto& [begin, end, parent] = layout.packets[self];
-    packets_[self].first_leaf = begin;
-    packets_[self].lane_count = end - begin;
-    packets_[self].parent = parent;
-    const auto slot = static_cast<std::uint32_t>(self) * kLaneCount;
-    for (Leaf leaf = begin; leaf < end; ++leaf)
-      slots_[index(tree.triangle(leaf))] = slot + leaf - begin;
-  });
+  packets_ = emptyPackets(layout);
+  slots_ = slotsOf(tree, packets_);
   guide_.sets.resize(nodes_.size());
   guide_.nodes.resize(nodes_.size());
   guide_.packets.resize(packets_.size());
@@ -135,8 +152,8 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
     parents_[self] = parent;
     guide_.sets[self] = set;
-    poles_[self] = slotsOf(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
-                                            guide_.nodes[self], guide_.packets.data()));
+    poles_[self] = slotsOfPoles(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
+                                                 guide_.nodes[self], guide_.packets.data()));
   });
   lists_ = listVertices(layout, longest_edges_first);
   listParts();
@@ -146,7 +163,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
 }
 
 /// REQUIRES: all leaves are listed.
-Poles WideTree::slotsOf(const FarthestPairTree& tree, const Poles& leaves) const {
+Poles WideTree::slotsOfPoles(const FarthestPairTree& tree, const Poles& leaves) const {
   Poles slots;
   for (std::size_t pole = 0; pole < leaves.size(); ++pole)
     for (std::size_t split = 0; split < kLaneCount; ++split)

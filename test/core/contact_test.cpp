@@ -103,7 +103,7 @@ TEST(Contact, OfACapsuleIsThatOfItsAxisLessTheRadius) {
 
 TEST(Contact, OfACapsuleWhoseAxisCrossesTheSurfaceIsMinusItsRadius) {
   const CollisionMesh cube(test::cube());
-  const Capsule through{{0.5, 0.5, 0.5}, {0.5, 0.5, 1.5}, 0.25};  // square to the face
+  const Capsule through{{0.5, 0.5, 0.5}, {0.5, 0.5, 1.5}, 0.25};  // perpendicular to the face
   const Contact crossing = contact(cube, through);
   EXPECT_EQ(crossing.nearest.distance, -0.25);
   EXPECT_TRUE(crossing.colliding_certain);

@@ -30,7 +30,7 @@ struct alignas(32) TrianglePacket {
   std::uint32_t lane_count;
   std::uint32_t parent;             ///< node
   alignas(32) LanePoints centroid;  ///< in the unit frame
-  LanePoints along, up;             ///< unit vectors, square to each other
+  LanePoints along, up;             ///< unit vectors, perpendicular
   LaneFloats before, beyond;        ///< how far from the foot the base starts, and ends; above 0
   LaneFloats height;                ///< of the corner above the foot; above 0
 };

@@ -90,7 +90,7 @@ class WideTree {
   Range nodesOn(std::size_t level) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
-  Poles slotsOf(const FarthestPairTree& tree, const Poles& leaves) const;
+  Poles slotsOfPoles(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
   void fitAll(const TriangleMesh& mesh, Fit fit);

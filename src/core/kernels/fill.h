@@ -65,11 +65,12 @@ constexpr float kShortest = 0x1p-29F;
 /// otherwise what rounding makes of the normal could be seen in the axes' lengths.
 constexpr float kSmallestPart = 0x1p-11F;
 
-/// A unit vector square to another.
+/// A unit vector perpendicular to another.
 inline Vector<double> squareTo(const Vector<double>& v) {
-  const Vector<double> square = magnitudeOf(v.z) <= magnitudeOf(v.x) ? Vector<double>{-v.y, v.x, 0}
-                                                                     : Vector<double>{0, -v.z, v.y};
-  return 1 / rootOf(dot(square, square)) * square;
+  const Vector<double> perpendicular = magnitudeOf(v.z) <= magnitudeOf(v.x)
+                                           ? Vector<double>{-v.y, v.x, 0}
+                                           : Vector<double>{0, -v.z, v.y};
+  return 1 / rootOf(dot(perpendicular, perpendicular)) * perpendicular;
 }
 
 /// The frame of any triangle, also of one that is a point.
@@ -114,8 +115,8 @@ inline Vector<double> squareTo(const Vector<double>& v) {
 
 /// The frames of triangles with these edges from a corner, mostly with the first edge as the base.
 /// Corners are off by 12*u of the triangle's size: by 3*u along the base, 7*u by where the foot is,
-/// 7*u by the height, as the axes are square to each other but for 3*u whatever rounding makes of
-/// the normal. Returns, by bits, those that want placeFrame() instead: seldom one.
+/// 7*u by the height, as the axes are perpendicular to each other but for 3*u whatever rounding
+/// makes of the normal. Returns, by bits, those that want placeFrame() instead: seldom one.
 [[gnu::always_inline]] inline std::uint32_t placeFrames(const LaneVector<float>& ab,
                                                         const LaneVector<float>& ac,
                                                         const LaneVector<float>& normal,

@@ -77,10 +77,10 @@ class FrontKeeper {
     LaneVector<float> away = tip.gapsOf(seen);
     Lanes<float> distances = root(dot(away, away));
     if constexpr (kCorners == 2) {
-      const Ways<float> ways = tip.waysToBoxesSeen(seen, node);
-      const Truth<float> is_better = distances <= ways.gap - rounding;
-      away = select(is_better, LaneVector<float>{} - ways.way, away);
-      distances = select(is_better, ways.gap - rounding, distances);
+      const SeparatingAxes<float> axes = tip.separatingAxesOf(seen, node);
+      const Truth<float> is_better = distances <= axes.gap - rounding;
+      away = select(is_better, LaneVector<float>{} - axes.axis, away);
+      distances = select(is_better, axes.gap - rounding, distances);
     }
     const Lanes<float> squares = dot(away, away);
     const Lanes<float> inverse = select(Lanes<float>::all(kShortestSquare) <= squares,
@@ -88,7 +88,7 @@ class FrontKeeper {
     keep(inverse * turnedBack(node, away), distances - rounding, lanes, kept);
   }
 
-  /// Of these triangles of a packet, by lanes. Where no way keeps them apart, nothing is known.
+  /// Of these triangles of a packet, by lanes. Where no plane keeps them apart, nothing is known.
   void keepTriangles(const Planes<float>& planes, float rounding, const Truth<float>& lanes,
                      KeptSets& kept) const {
     keep(select(planes.gap <= Lanes<float>{}, LaneVector<float>{}, planes.direction),

@@ -21,7 +21,7 @@ class FrontWalk {
     nearest_.measure(front_.nearest);
     if (search_.best_vertex != kNoVertex) {
       if (search_.best_vertex != front_.tied_vertex) forgetTies();
-      way_of_ties_ = static_cast<float>(front_.way * (1 + kWayRounding));
+      approach_ = static_cast<float>(front_.approach * (1 + kApproachRounding));
     }
     if (!lookAtAllWithin(keeper_.allowed(nearest_.reach()))) return false;
     nearest_.finish();
@@ -32,7 +32,7 @@ class FrontWalk {
  private:
   static constexpr bool kExact = true;
   static constexpr float kNotTied = -1.0F;
-  static constexpr double kWayRounding = 4 * kRoundoff<float>;
+  static constexpr double kApproachRounding = 4 * kRoundoff<float>;
 
   /// At what is within reach; false where there is no room for what has to be opened.
   bool lookAtAllWithin(const Lanes<float>& allowed) {
@@ -87,7 +87,7 @@ class FrontWalk {
   void lookAtTriangles(std::uint32_t lanes, KeptSets& kept) {
     const TrianglePacket& packet = search_.packets[kept.opened & ~kPacketBit];
     const Truth<float> tied =
-        Lanes<float>::all(way_of_ties_) <= Lanes<float>::load(kept.tied_until.data());
+        Lanes<float>::all(approach_) <= Lanes<float>::load(kept.tied_until.data());
     const std::uint32_t in_doubt = withoutNearest(lanes & ~tied.bits(), packet);
     if (in_doubt != 0 && !nearest_.isTooLate(packet) && !areTied(in_doubt, packet, kept))
       scan(packet, kept);
@@ -126,7 +126,8 @@ class FrontWalk {
       const std::uint32_t lane = lowestBit(lanes);
       const double room = search_.roomOfTie(search_, packet.first_leaf + lane);
       if (room < 0.0) return false;
-      kept.tied_until[lane] = static_cast<float>((front_.way + room) * (1 - kWayRounding));
+      kept.tied_until[lane] =
+          static_cast<float>((front_.approach + room) * (1 - kApproachRounding));
     }
     return true;
   }
@@ -135,7 +136,7 @@ class FrontWalk {
   Front& front_;
   NearestSoFar<float, kCorners, kExact> nearest_;
   FrontKeeper<kCorners> keeper_;
-  float way_of_ties_ = kFloatInfinity;  // without a nearest vertex nobody shares it
+  float approach_ = kFloatInfinity;  // without a nearest vertex nobody shares it
 };
 
 /// In one piece, like walkInOnePiece().

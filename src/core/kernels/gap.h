@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/kernels/lane_triangles.h"
-#include "core/kernels/ways.h"
+#include "core/kernels/separation.h"
 #include "organ_collision/core/wide_node.h"
 
 // Gaps between a tip of several corners and boxes or triangles, eight at a time.
@@ -42,8 +42,9 @@ inline Lanes<Real> gapAlong(const LaneVector<Real>& direction, const LaneVector<
 
 /// What keeps a segment from the lanes' boxes: a lower bound of the distances.
 template <class Real>
-inline Ways<Real> waysToBoxes(const Vector<Real>& start, const Vector<Real>& end,
-                              const LaneVector<Real>& low, const LaneVector<Real>& high) {
+inline SeparatingAxes<Real> separatingAxes(const Vector<Real>& start, const Vector<Real>& end,
+                                           const LaneVector<Real>& low,
+                                           const LaneVector<Real>& high) {
   constexpr int kRounds = 2;  // from one to the other and back: more find hardly anything nearer
   const Vector<Real> along = end - start;
   const Lanes<Real> inverse = Lanes<Real>::all(1 / dot(along, along));
@@ -60,14 +61,14 @@ inline Ways<Real> waysToBoxes(const Vector<Real>& start, const Vector<Real>& end
     in_box = clamped(on_segment, low, high);
     direction = on_segment - in_box;
   }
-  // Where the nearest point is inside the segment, the nearest way is square to it.
-  const LaneVector<Real> square = direction - dot(direction, step) * inverse * step;
+  // Where the nearest point is inside the segment, the shortest offset is perpendicular to it.
+  const LaneVector<Real> perpendicular = direction - dot(direction, step) * inverse * step;
   const Lanes<Real> gap =
       distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction));
-  const Lanes<Real> square_gap =
-      distanceOfGap(gapAlong(square, from, step, middle, size), dot(square, square));
-  return {LaneVector<Real>{} - select(gap <= square_gap, square, direction),
-          larger(gap, square_gap)};
+  const Lanes<Real> perpendicular_gap = distanceOfGap(
+      gapAlong(perpendicular, from, step, middle, size), dot(perpendicular, perpendicular));
+  return {LaneVector<Real>{} - select(gap <= perpendicular_gap, perpendicular, direction),
+          larger(gap, perpendicular_gap)};
 }
 
 /// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the
@@ -123,12 +124,12 @@ inline Truth<Real> isInside(const Foot<Lanes<Real>>& foot) {
 
 /// How far each of `ours` is kept from all of `theirs`, along a direction.
 template <class Real>
-inline Lanes<Real> gapsAlong(const Vector<Real>& way, const LaneTriangles<Real>& ours,
+inline Lanes<Real> gapsAlong(const Vector<Real>& axis, const LaneTriangles<Real>& ours,
                              const LaneTriangles<Real>& theirs) {
-  const LaneVector<Real> direction = everywhere(way);
+  const LaneVector<Real> direction = everywhere(axis);
   return distanceOfGap(
       Lanes<Real>::all(leastOf(theirs.nearestAlong(direction))) - ours.farthestAlong(direction),
-      Lanes<Real>::all(dot(way, way)));
+      Lanes<Real>::all(dot(axis, axis)));
 }
 
 /// Eight triangles, each along its own normal: there flat ones are as thick as rounding makes them.
@@ -156,12 +157,12 @@ class LaneFaces {
   Lanes<Real> squared_normal_, nearest_, farthest_;
 };
 
-/// Between which distances the lanes' triangles are from a tip, but for rounding; and the way that
-/// keeps them apart, from the tip.
+/// Between which distances the lanes' triangles are from a tip, but for rounding; and the axis that
+/// separates them, from the tip.
 template <class Real>
 struct Gap {
   Lanes<Real> low, high;
-  LaneVector<Real> way;
+  LaneVector<Real> axis;
 };
 
 /// Of a tip of two or three corners, relative to the packet's origin.

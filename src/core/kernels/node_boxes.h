@@ -2,7 +2,7 @@
 
 #include "core/kernels/bounds.h"
 #include "core/kernels/lane_triangles.h"
-#include "core/kernels/ways.h"
+#include "core/kernels/separation.h"
 
 // Boxes of wide nodes, for whichever vector unit includes it.
 //

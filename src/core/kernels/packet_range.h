@@ -2,7 +2,7 @@
 
 #include "core/kernels/bounds.h"
 #include "core/kernels/lane_triangles.h"
-#include "core/kernels/ways.h"
+#include "core/kernels/separation.h"
 
 // The triangles of a packet: their boxes, and distances of points to them.
 namespace organ_collision::core {
@@ -28,10 +28,10 @@ struct SquaredRange {
 
 // Rounding, in the terms of bounds.h, for points. Of a triangle of size s <= r corners are off by
 // 12*v*s (fill.h). Let d be how far the point is from the centroid: at most its distance and 2/3*s
-// more. Its coordinates are off by 24*u*d, the axes being unit vectors but for 6*u and square but
-// for 3*u; what is nearest in the plane by 14*u*d + 10*u*s. So distances are off by 38*u of
-// themselves, and by 26*u*s + 10*u*s + 12*v*s. The exact measurement is, by 4*u of both. Together
-// below 48*u of the distance and 64*v*r.
+// more. Its coordinates are off by 24*u*d, the axes being unit vectors but for 6*u and
+// perpendicular but for 3*u; what is nearest in the plane by 14*u*d + 10*u*s. So distances are off
+// by 38*u of themselves, and by 26*u*s + 10*u*s + 12*v*s. The exact measurement is, by 4*u of both.
+// Together below 48*u of the distance and 64*v*r.
 
 /// Of the squares of distances.
 template <class Real>
@@ -46,24 +46,27 @@ inline float roundingOf(const TrianglePacket& packet) {
 template <class Real>
 struct NearestInFrames {
   LaneFrames<Real> frames;
-  Lanes<Real> x, y;      ///< where the point is: along and up, from the foot
-  LaneVector<Real> way;  ///< from the point to the nearest: along, up, and along the normal
-  Lanes<Real> squared;   ///< how long that is
+  Lanes<Real> x, y;         ///< where the point is: along and up, from the foot
+  LaneVector<Real> offset;  ///< from the point to the nearest: along, up, and along the normal
+  Lanes<Real> squared;      ///< how long that is
 
   SquaredRange<Real> range() const {
     return {Lanes<Real>::all(1 - kRangeRounding<Real>) * squared,
             Lanes<Real>::all(1 + kRangeRounding<Real>) * squared};
   }
 
-  /// Planes square to the ways, which keep the triangles from the point; where none does, no gap.
+  /// Planes perpendicular to the offsets, which keep the triangles from the point; where none does,
+  /// no gap.
   Planes<Real> planes() const {
     const Lanes<Real> none{};
-    const Lanes<Real> to_nearest_corner = smaller(
-        smaller(none - way.x * frames.before, way.x * frames.beyond), way.y * frames.height);
-    const Lanes<Real> gap = to_nearest_corner - (way.x * x + way.y * y - way.z * way.z) -
+    const Lanes<Real> to_nearest_corner =
+        smaller(smaller(none - offset.x * frames.before, offset.x * frames.beyond),
+                offset.y * frames.height);
+    const Lanes<Real> gap = to_nearest_corner -
+                            (offset.x * x + offset.y * y - offset.z * offset.z) -
                             Lanes<Real>::all(kRangeRounding<Real>) * squared;
     const Lanes<Real> inverse = Lanes<Real>::all(1) / root(squared);
-    const LaneVector<Real> direction = (none - inverse) * way;
+    const LaneVector<Real> direction = (none - inverse) * offset;
     return {direction.x * frames.along + direction.y * frames.up + direction.z * frames.normal(),
             select(Lanes<Real>::all(Real{kShortestSquare}) <= squared, inverse * gap, none)};
   }

@@ -47,8 +47,8 @@ struct PairSearch {
 
   /// Measures two triangles exactly, and lowers `best` if they are the nearest so far.
   void (*measure)(PairSearch& search, std::uint32_t leaf_of_first, std::uint32_t leaf_of_second);
-  double best;                ///< the nearest two are not farther apart
-  std::array<double, 3> way;  ///< between the nearest two measured: other pairs lie so, too
+  double best;                 ///< the nearest two are not farther apart
+  std::array<double, 3> axis;  ///< between the nearest two measured: other pairs lie so, too
 
   double slack;             ///< pairs up to this much farther than the best are followed, too
   FollowedPairs* followed;  ///< where to put the packets looked at, or null

@@ -1,26 +1,18 @@
 #pragma once
 
-#include "core/kernels/bounds.h"
 #include "core/kernels/frontier.h"
-#include "core/kernels/gap.h"
-#include "core/kernels/lane_boxes.h"
-#include "core/kernels/open_set.h"
+#include "core/kernels/pair_bounds.h"
 #include "core/kernels/pair_candidates.h"
 #include "core/kernels/pair_search.h"
 
 // The walk through two trees at once, for whichever vector unit includes it.
-//
-// Rounding, in the terms of bounds.h, t being how far the origins are apart and r the sum of
-// both radii: what is in a box turns back from the axes of its node but for 2^-20*r, is stored to
-// 24*v*r, and moves to the other's axes by three products and sums, off by 4*u*(t + 2*r). Gaps are
-// off by 16*u*(t + 2*r) more, those of triangles as gap.h says. Together below 64*u*t + 2^-15*r.
 namespace organ_collision::core {
 namespace {
 
 template <class Real>
 class PairWalk {
  public:
-  explicit PairWalk(PairSearch& search) : search_(search) { look(); }
+  explicit PairWalk(PairSearch& search) : search_(search), bounds_(search) { look(); }
 
   void run() {
     WaitingPair* const bottom = search_.stack;
@@ -93,13 +85,6 @@ class PairWalk {
       search_.followed->clear = bound;
   }
 
-  /// What every bound gives away where sets of these radii are so far apart; see above.
-  Real roundingOf(float radius_of_first, float radius_of_second, Real apart) const {
-    const double radii = search_.largest_scale * double{radius_of_first} + double{radius_of_second};
-    return 64 * kRoundoff<Real> * apart + static_cast<Real>(0x1p-15 * radii + search_.rounding) +
-           Real{kTiny};
-  }
-
   /// A set that is compared with another: with all its children or, the much smaller one, whole.
   struct Side {
     const OpenSet& set;
@@ -128,7 +113,11 @@ class PairWalk {
         !second.isPacket() && (first.isPacket() || size_of_second > kMuchSmaller * size_of_first)};
     Lanes<Real> bounds[kLaneCount];
     const bool by_first = !second.isPacket();  // of a packet there is one row
-    findBounds(first.boxes(), second.boxes(), by_first, bounds);
+    const Boxes first_boxes = first.boxes();
+    const Boxes second_boxes = second.boxes();
+    bounds_.betweenBoxes(first_boxes, second_boxes, by_first, bounds);
+    search_.bounds +=
+        (first_boxes.end - first_boxes.begin) * (second_boxes.end - second_boxes.begin);
     return by_first ? put<true>(ours, theirs, bounds, top) : put<false>(theirs, ours, bounds, top);
   }
 
@@ -168,83 +157,14 @@ class PairWalk {
     return top + 1;
   }
 
-  /// Boxes are compared along the axes of both: flat ones that lie askew tell most along their own.
-  /// Row by row: of each box of one (`by_first`: the first) to those of the other.
-  void findBounds(const Boxes& first, const Boxes& second, bool by_first,
-                  Lanes<Real> (&bounds)[kLaneCount]) {
-    const Placement<Real> there(first.node, search_.second_from_first, second.node);
-    const Placement<Real> back(second.node, search_.first_from_second, first.node);
-    const LaneBoxes<Real> firsts = boxesOf<Real>(first.node);
-    const LaneBoxes<Real> seconds = boxesOf<Real>(second.node);
-    const LaneBoxes<Real> firsts_there = there(firsts);
-    const LaneBoxes<Real> seconds_back = back(seconds);
-    const Lanes<Real> rounding =
-        Lanes<Real>::all(roundingOf(first.node.radius, second.node.radius, reachOf(there.offset)));
-    const auto scale = static_cast<Real>(search_.least_scale);
-    const Lanes<Real> squared_scale = Lanes<Real>::all(scale * scale);
-    const Boxes& rows = by_first ? first : second;
-    const LaneBoxes<Real>& rows_there = by_first ? firsts_there : seconds;
-    const LaneBoxes<Real>& rows_back = by_first ? firsts : seconds_back;
-    const LaneBoxes<Real>& lanes_there = by_first ? seconds : firsts_there;
-    const LaneBoxes<Real>& lanes_back = by_first ? seconds_back : firsts;
-    for (std::uint32_t i = rows.begin; i < rows.end; ++i) {
-      const Lanes<Real> squares =
-          larger(lanes_there.squaredDistanceTo(rows_there, i),
-                 squared_scale * lanes_back.squaredDistanceTo(rows_back, i));
-      bounds[i] = root(squares) - rounding;
-    }
-    search_.bounds += (first.end - first.begin) * (second.end - second.begin);
-  }
-
-  /// The triangles of a packet of the first, turned like the second and around its own origin.
-  const LaneTriangles<Real>& turned(const TrianglePacket& packet) {
-    if (&packet == turned_packet_) return turned_;
-    turned_packet_ = &packet;
-    const auto turn = [this](const LaneVector<Real>& v) {
-      const auto row = [&](int i) {
-        const auto& linear = search_.second_from_first.linear[i];
-        return dot(everywhere(vectorOf<Real>(linear)), v);
-      };
-      return LaneVector<Real>{row(0), row(1), row(2)};
-    };
-    LaneTriangles<Real> triangles = trianglesOf<Real>(packet);
-    turned_ = {turn(triangles.a), turn(triangles.ab), turn(triangles.ac)};
-    return turned_;
-  }
-
-  /// From the origin of a packet of the second to that of one of the first.
-  Vector<Real> offsetOf(const TrianglePacket& first, const TrianglePacket& second) const {
-    const AffineMap& map = search_.second_from_first;
-    const auto coordinate = [&](int i) {
-      const Vector<double> row = {map.linear[i][0], map.linear[i][1], map.linear[i][2]};
-      return static_cast<Real>(dot(row, vectorOf<double>(first.origin)) + map.offset[i] -
-                               double{second.origin[i]});
-    };
-    return {coordinate(0), coordinate(1), coordinate(2)};
-  }
-
-  /// Bounds of each of our triangles to all of theirs, by how far they reach along some directions:
-  /// from middle to middle, as the best so far, or square to the surfaces.
-  Lanes<Real> boundsBetween(const LaneTriangles<Real>& ours, const LaneTriangles<Real>& theirs,
-                            const Lanes<Real>& rounding) const {
-    const Vector<Real> apart = theirs.middle() - ours.middle();
-    const Lanes<Real> gaps = larger(gapsAlong(apart, ours, theirs),
-                                    gapsAlong(vectorOf<Real>(search_.way), ours, theirs));
-    if (leastOf(gaps - rounding) > reach_of_sets_) return gaps - rounding;
-    const Lanes<Real> square = larger(gapsAlong(ours.normalTowards(apart), ours, theirs),
-                                      gapsAlong(theirs.normalTowards(apart), ours, theirs));
-    return larger(gaps, square) - rounding;
-  }
-
   /// Looks at the triangles of two packets: none are nearer than what it returns.
   Real scan(const TrianglePacket& first, const TrianglePacket& second) {
-    const Vector<Real> offset = offsetOf(first, second);
-    LaneTriangles<Real> ours = turned(first);
+    const Vector<Real> offset = bounds_.offsetOf(first, second);
+    LaneTriangles<Real> ours = bounds_.turned(first);
     ours.a = ours.a + everywhere(offset);
     const LaneTriangles<Real> theirs = trianglesOf<Real>(second);
-    const Real rounding = roundingOf(first.radius, second.radius, reachOf(offset)) +
-                          static_cast<Real>(2 * kPlaceRounding * (search_.largest_scale + 1));
-    const Lanes<Real> bounds = boundsBetween(ours, theirs, Lanes<Real>::all(rounding));
+    const Real rounding = bounds_.roundingOf(first, second, offset);
+    const Lanes<Real> bounds = bounds_.betweenTriangles(ours, theirs, rounding, reach_of_sets_);
     const Truth<Real> matter = bounds <= Lanes<Real>::all(reach_);
     // Lanes that are not in use repeat others.
     Real least = leastOf(select(matter, infinite<Real>(), bounds));
@@ -325,13 +245,12 @@ class PairWalk {
   }
 
   PairSearch& search_;
+  PairBounds<Real> bounds_;
   Real reach_;                                    // what is farther is left out
   Real reach_of_sets_;                            // sets with that
   Lanes<Real> sets_left_out_ = infinite<Real>();  // the nearest of them
   Lanes<Real> left_out_ = infinite<Real>();       // the nearest triangles
   PairCandidates candidates_;
-  const TrianglePacket* turned_packet_ = nullptr;
-  LaneTriangles<Real> turned_;
   bool promised_ = false;  // search_.best is owed to a pair that was not measured
   PairCandidate promised_pair_ = {};
 };

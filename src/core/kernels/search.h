@@ -34,7 +34,7 @@ struct FrontierRoom {
 struct alignas(32) KeptSets {
   LanePoints direction;   ///< not longer than 1, towards the tip
   LaneFloats bound;       ///< with the tip where the front's origin is; infinite: opened, too
-  LaneFloats tied_until;  ///< of a packet's triangles: the way on which each surely ties at
+  LaneFloats tied_until;  ///< of a packet's triangles: up to which approach each ties at
                           ///< Front::tied_vertex; below zero if that is not known
   std::uint32_t opened;   ///< a node, or kPacketBit and a packet
 };
@@ -49,7 +49,7 @@ struct Front {
   std::uint32_t nearest = kNoLeaf;   ///< of the last query, also of one that kept no front
   VertexId tied_vertex = kNoVertex;  ///< of `nearest`, for which tied_until holds; or for none
   double drift = 0.0;                ///< since the walk: how far the mesh has moved at most
-  double way = 0.0;  ///< and how far tip and mesh have moved towards each other at most
+  double approach = 0.0;  ///< and how far tip and mesh have moved towards each other at most
   std::array<std::array<float, 3>, 3> shift = {};  ///< of the tip's corners
 };
 

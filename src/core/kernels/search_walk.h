@@ -93,8 +93,8 @@ class Walk {
   std::uint32_t nearestLane(const WideNode& node, const SeenBoxes& seen,
                             const Lanes<Real>& squares) const {
     const Lanes<Real> weight = Lanes<Real>::all(Real{0x1p-3});
-    const LaneVector<Real> way = nearest_.tip().wayToMiddles(seen, node);
-    return laneOfLeast(inFloats(squares + weight * dot(way, way)), node.lane_count);
+    const LaneVector<Real> offsets = nearest_.tip().offsetsToMiddles(seen, node);
+    return laneOfLeast(inFloats(squares + weight * dot(offsets, offsets)), node.lane_count);
   }
 
   /// Opens a node but for the set that the way down led to.

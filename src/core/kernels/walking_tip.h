@@ -58,16 +58,16 @@ class WalkingTip {
     const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
     if constexpr (kCorners == 2) {
       const Lanes<Real> gaps = larger(
-          waysToBoxesSeen(seen, node).gap - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
+          separatingAxesOf(seen, node).gap - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
       return larger(squares, gaps * gaps);
     }
     return squares;
   }
 
   /// From a segment to the boxes, in the node's orientation; but for twice boxRounding().
-  Ways<Real> waysToBoxesSeen(const SeenBoxes& seen, const WideNode& node) const {
+  SeparatingAxes<Real> separatingAxesOf(const SeenBoxes& seen, const WideNode& node) const {
     const auto end = [&](int i) { return turned(node, relative(corners_[i], node.origin)); };
-    return waysToBoxes(end(0), end(1), seen.low, seen.high);
+    return separatingAxes(end(0), end(1), seen.low, seen.high);
   }
 
   /// The gaps between each box and the tip, axis by axis, from the box to the tip.
@@ -84,7 +84,7 @@ class WalkingTip {
   }
 
   /// From about the nearest point of the tip to the middle of each box.
-  LaneVector<Real> wayToMiddles(const SeenBoxes& seen, const WideNode& node) const {
+  LaneVector<Real> offsetsToMiddles(const SeenBoxes& seen, const WideNode& node) const {
     const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
     const LaneVector<Real> middles = half * (seen.low + seen.high);
     if constexpr (kIsPoint) return middles - everywhere(seen.tip_low);
@@ -96,11 +96,11 @@ class WalkingTip {
       const Vector<Real> end = turned(node, relative(corners_[(i + 1) % kCorners], node.origin));
       const LaneVector<Real> edge = everywhere(end - start);
       const LaneVector<Real> from_start = middles - everywhere(start);
-      const LaneVector<Real> way =
+      const LaneVector<Real> offset =
           from_start - clampedTo1(dot(from_start, edge) / dot(edge, edge)) * edge;
-      const Truth<Real> is_shorter = dot(way, way) <= least;
-      least = select(is_shorter, dot(way, way), least);
-      shortest = select(is_shorter, way, shortest);
+      const Truth<Real> is_shorter = dot(offset, offset) <= least;
+      least = select(is_shorter, dot(offset, offset), least);
+      shortest = select(is_shorter, offset, shortest);
     }
     return shortest;
   }
@@ -108,9 +108,9 @@ class WalkingTip {
   /// What is in the box of some lane is nowhere farther than this, but for boxRounding().
   Real farthestInNearest(const SeenBoxes& seen, const WideNode& node) const {
     const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
-    const LaneVector<Real> way =
-        magnitudesOf(wayToMiddles(seen, node)) + half * (seen.high - seen.low);
-    return rootOf(leastOf(dot(way, way))) * (1 + Real{kAxesShorter});
+    const LaneVector<Real> offset =
+        magnitudesOf(offsetsToMiddles(seen, node)) + half * (seen.high - seen.low);
+    return rootOf(leastOf(dot(offset, offset))) * (1 + Real{kAxesShorter});
   }
 
   /// A packet's triangles: between which distances they are, but for `rounding`; and, where they
@@ -130,7 +130,7 @@ class WalkingTip {
       const Gap<Real> gap = gapToTriangles(tip, packet);
       rounding = rounding + rounding;
       if (planes != nullptr)
-        *planes = {Lanes<Real>::all(-1) / root(dot(gap.way, gap.way)) * gap.way, gap.low};
+        *planes = {Lanes<Real>::all(-1) / root(dot(gap.axis, gap.axis)) * gap.axis, gap.low};
       return {gap.low * gap.low, gap.high * gap.high};
     }
   }

@@ -2,7 +2,8 @@
 
 #include "core/kernels/lane_vector.h"
 
-// Ways from a tip, eight at a time: the shortest of several, and how far one keeps bodies apart.
+// Vectors from a tip, eight at a time: the shortest of several, and those that separate it from
+// bodies.
 namespace organ_collision::core {
 namespace {
 
@@ -37,10 +38,10 @@ struct Shortest {
   }
 };
 
-/// Ways from a tip, of whatever lengths, and how far what lies there is kept from it along them.
+/// Separating axes from a tip, of whatever lengths, and how far they keep what lies there from it.
 template <class Real>
-struct Ways {
-  LaneVector<Real> way;
+struct SeparatingAxes {
+  LaneVector<Real> axis;
   Lanes<Real> gap;
 };
 
