@@ -300,9 +300,11 @@ def latency(results):
 def machine(results):
     about = results["machine"]
     entries = [organ["query"]["near"]["exact"] for organ in results["organs"].values() if "query" in organ]
+    counts = sorted({len(entry["times"]) for entry in entries}, reverse=True)
     return (f"{about['processor']}, {about['num_cpus']} cores of {about['mhz_per_cpu'] / 1000:.1f} GHz, "
             f"{about['date'][:10]}; load average {about['load'][0]:.1f} to {about['load'][1]:.1f} (1 is the benchmark "
-            f"itself); {entries[0]['tips']:,.0f} tips a workload, {len(entries[0]['times'])} repetitions.")
+            f"itself); {entries[0]['tips']:,.0f} tips a workload, "
+            f"{' or, of large organs, '.join(map(str, counts))} repetitions.")
 
 
 # ---- all
