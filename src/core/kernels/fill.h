@@ -66,7 +66,7 @@ constexpr float kShortest = 0x1p-29F;
 constexpr float kSmallestPart = 0x1p-11F;
 
 /// A unit vector perpendicular to another.
-inline Vector<double> squareTo(const Vector<double>& v) {
+inline Vector<double> perpendicularTo(const Vector<double>& v) {
   const Vector<double> perpendicular = magnitudeOf(v.z) <= magnitudeOf(v.x)
                                            ? Vector<double>{-v.y, v.x, 0}
                                            : Vector<double>{0, -v.z, v.y};
@@ -97,7 +97,7 @@ inline Vector<double> squareTo(const Vector<double>& v) {
   const double before = dot(side, along);
   const Vector<double> altitude = side - before * along;
   const double height = rootOf(dot(altitude, altitude));
-  const Vector<double> up = height > kLeast ? 1 / height * altitude : squareTo(along);
+  const Vector<double> up = height > kLeast ? 1 / height * altitude : perpendicularTo(along);
   const auto put = [lane](const Vector<double>& v, LanePoints& points) {
     points[0][lane] = static_cast<float>(v.x);
     points[1][lane] = static_cast<float>(v.y);

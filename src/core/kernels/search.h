@@ -34,8 +34,8 @@ struct FrontierRoom {
 struct alignas(32) KeptSets {
   LanePoints direction;   ///< not longer than 1, towards the tip
   LaneFloats bound;       ///< with the tip where the front's origin is; infinite: opened, too
-  LaneFloats tied_until;  ///< of a packet's triangles: up to which approach each ties at
-                          ///< Front::tied_vertex; below zero if that is not known
+  LaneFloats tied_until;  ///< of a packet's triangles: up to which approach each surely ties
+                          ///< at Front::tied_vertex; below zero if that is not known
   std::uint32_t opened;   ///< a node, or kPacketBit and a packet
 };
 
