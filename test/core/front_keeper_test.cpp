@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "core/kernels/frontier.h"
 #include "core/nearest_search.h"
@@ -135,6 +136,30 @@ TEST(FrontKeeper, TellsHowFarWellShapedTrianglesAre) {
   std::mt19937 generator(52);
   const CollisionMesh organ(test::blob(4));
   for (int i = 0; i < 1000; ++i) EXPECT_LT(Kept(organ).hold<1>(generator), kRoom);
+}
+
+TEST(FrontKeeper, ChainsWhatIsWithinReachInItsOrder) {
+  constexpr float kReach = 0.5F;
+  std::mt19937 generator(53);
+  for (std::uint32_t count = 0; count <= Front::kMost; ++count) {
+    Front front;
+    FrontKeeper<1> keeper;
+    keeper.start(front);
+    std::vector<std::uint32_t> within;  // places and lanes
+    for (std::uint32_t i = 0; i < count; ++i) {
+      KeptSets& kept = *keeper.roomFor(i);
+      kept.direction = {};
+      const std::uint32_t lanes = generator() & generator() & generator() & 0xFFU;
+      for (std::uint32_t lane = 0; lane < kLaneCount; ++lane)
+        kept.bound[lane] = (lanes >> lane & 1U) != 0 ? 0.0F : 1.0F;
+      if (lanes != 0) within.insert(within.end(), {i, lanes});
+    }
+    std::vector<std::uint32_t> chained;
+    for (std::uint32_t i = keeper.chainWithin(keeper.allowed(kReach)); i != KeptSets::kNone;
+         i = front.kept[i].next)
+      chained.insert(chained.end(), {i, front.kept[i].within});
+    EXPECT_EQ(chained, within);
+  }
 }
 
 TEST(FrontKeeper, LosesTheFrontWhereThereIsNoRoom) {

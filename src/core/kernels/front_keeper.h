@@ -43,18 +43,19 @@ class FrontKeeper {
     return Lanes<float>::load(kept.bound.data()) + along;
   }
 
-  /// Kept sets of which some are within reach: where in the front they are, and which, by bits.
-  struct Within {
-    std::uint32_t place, lanes;
-  };
-  /// Returns how many there are. They are listed without a branch, as none could be foreseen.
-  std::uint32_t listWithin(const Lanes<float>& allowed, Within (&within)[Front::kMost]) const {
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < front_->count; ++i) {
-      within[count] = {i, (boundsOf(front_->kept[i]) <= allowed).bits()};
-      count += within[count].lanes != 0 ? 1 : 0;
+  /// Chains the kept sets of which some are within reach, and returns the first. Without a branch,
+  /// as none could be foreseen; from the last to the first, and each set's link in the set itself,
+  /// as processors tell addresses apart by some of their bits: a load that seems to be of what was
+  /// stored just before waits for it.
+  std::uint32_t chainWithin(const Lanes<float>& allowed) {
+    std::uint32_t first = KeptSets::kNone;
+    for (std::uint32_t i = front_->count; i-- != 0;) {
+      KeptSets& kept = front_->kept[i];
+      kept.within = (boundsOf(kept) <= allowed).bits();
+      kept.next = first;
+      first = kept.within != 0 ? i : first;
     }
-    return count;
+    return first;
   }
 
   /// Room for what is in a set that is opened; null, and no front any more, where there is none.

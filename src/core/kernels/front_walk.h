@@ -37,12 +37,11 @@ class FrontWalk {
   /// At what is within reach; false where there is no room for what has to be opened.
   bool lookAtAllWithin(const Lanes<float>& allowed) {
     const std::uint32_t followed = front_.count;
-    typename FrontKeeper<kCorners>::Within within[Front::kMost];
-    const std::uint32_t count = keeper_.listWithin(allowed, within);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      KeptSets& kept = front_.kept[within[i].place];
+    for (std::uint32_t i = keeper_.chainWithin(allowed); i != KeptSets::kNone;
+         i = front_.kept[i].next) {
+      KeptSets& kept = front_.kept[i];
       if (isPacket(kept)) {
-        lookAtTriangles(within[i].lanes, kept);
+        lookAtTriangles(kept.within, kept);
       } else if (!lookAtSets(allowed, kept)) {
         return false;
       }

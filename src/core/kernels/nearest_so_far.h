@@ -17,8 +17,8 @@ class NearestSoFar {
   explicit NearestSoFar(Search& search)
       : search_(search),
         tip_(search),
-        share_(search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
-        allowance_(Real{inFloat(search.allowance)}) {
+        share_(kExact || search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
+        allowance_(kExact ? 0 : Real{inFloat(search.allowance)}) {
     look();
   }
 

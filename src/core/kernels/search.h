@@ -37,6 +37,9 @@ struct alignas(32) KeptSets {
   LaneFloats tied_until;  ///< of a packet's triangles: up to which approach each surely ties
                           ///< at Front::tied_vertex; below zero if that is not known
   std::uint32_t opened;   ///< a node, or kPacketBit and a packet
+  std::uint32_t within;   ///< lanes that are within reach now, by bits
+  std::uint32_t next;     ///< kept set of which some are, in the front; or kNone
+  static constexpr std::uint32_t kNone = ~0U;
 };
 
 /// What a tracker keeps of a search for the next: all sets of the tree that were reached but not
