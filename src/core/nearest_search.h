@@ -159,7 +159,10 @@ class NearestSearch : protected Search {
   template <Sign kSign>
   void measureFor(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return;
-    if (isTied(leaf)) return;
+    if (isTied(leaf)) {
+      if (leaf < best_leaf) nameTied(leaf);
+      return;
+    }
     const Corners& vertices = leaf_corners[leaf];
     const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
@@ -208,25 +211,35 @@ class NearestSearch : protected Search {
   bool isTied(FarthestPairTree::Leaf leaf) const {
     return fromBestVertex(leaf, false, isClosestCorner);
   }
+  /// REQUIRES: it is tied. What measuring it would find is the same vertex.
+  void nameTied(FarthestPairTree::Leaf leaf) {
+    const std::size_t corner = cornerAtBestVertex(leaf_corners[leaf]);
+    best_leaf = leaf;
+    pair_.on_second.barycentric = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(corner));
+    pair_.on_second.feature = static_cast<Feature>(corner);
+  }
   double roomOfTie(FarthestPairTree::Leaf leaf) const {
+    if (leaf <= best_leaf) return -1.0;
     return fromBestVertex(leaf, -1.0, [this](const auto&... seen) {
       return isClosestCorner(seen...) ? roomAtClosestCorner(seen...) * scale_ : -1.0;
     });
   }
   /// What `ask` says of the nearest vertex' offset and a triangle's edges from there; `otherwise`
-  /// of triangles without it or that come before the best.
+  /// of triangles without it.
   template <class Answer, class Ask>
   Answer fromBestVertex(FarthestPairTree::Leaf leaf, Answer otherwise, const Ask& ask) const {
-    if (best_vertex == kNoVertex || leaf <= best_leaf) return otherwise;
-    const auto from = [&](VertexId here, VertexId one, VertexId other) {
-      const TriangleMesh& mesh = organ_.mesh();
-      return ask(pair_.on_second.offset, Eigen::Vector3d(mesh.position(one) - mesh.position(here)),
-                 Eigen::Vector3d(mesh.position(other) - mesh.position(here)));
+    const Corners& vertices = leaf_corners[leaf];
+    const std::size_t corner = cornerAtBestVertex(vertices);
+    if (best_vertex == kNoVertex || vertices[corner] != best_vertex) return otherwise;
+    const auto edgeTo = [&](std::size_t other) -> Eigen::Vector3d {
+      return organ_.mesh().position(vertices[other]) - pair_.on_second.point;
     };
-    const auto& [a, b, c] = leaf_corners[leaf];
-    if (a == best_vertex) return from(a, b, c);
-    if (b == best_vertex) return from(b, c, a);
-    return c == best_vertex ? from(c, a, b) : otherwise;
+    return ask(pair_.on_second.offset, edgeTo(corner == 2 ? 0 : corner + 1),
+               edgeTo(corner == 0 ? 2 : corner - 1));
+  }
+  /// Of a triangle that has it; c of others.
+  std::size_t cornerAtBestVertex(const Corners& vertices) const {
+    return vertices[0] == best_vertex ? 0 : vertices[1] == best_vertex ? 1 : 2;
   }
 
   void measureAll() {
