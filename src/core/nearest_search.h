@@ -231,11 +231,11 @@ class NearestSearch : protected Search {
     const Corners& vertices = leaf_corners[leaf];
     const std::size_t corner = cornerAtBestVertex(vertices);
     if (best_vertex == kNoVertex || vertices[corner] != best_vertex) return otherwise;
-    const auto edgeTo = [&](std::size_t other) -> Eigen::Vector3d {
+    const auto edge_to = [&](std::size_t other) -> Eigen::Vector3d {
       return organ_.mesh().position(vertices[other]) - pair_.on_second.point;
     };
-    return ask(pair_.on_second.offset, edgeTo(corner == 2 ? 0 : corner + 1),
-               edgeTo(corner == 0 ? 2 : corner - 1));
+    return ask(pair_.on_second.offset, edge_to(corner == 2 ? 0 : corner + 1),
+               edge_to(corner == 0 ? 2 : corner - 1));
   }
   /// Of a triangle that has it; c of others.
   std::size_t cornerAtBestVertex(const Corners& vertices) const {
