@@ -158,18 +158,22 @@ void considerFace(const View& view, Candidate& best) {
   stepInside(view, *weights, best);
 }
 
+/// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
+/// query clearly above the face.
+constexpr double kFairlyShaped = 0x1p-4;
+
 /// What plain products make of the face.
 enum class Plainly : std::uint8_t { kInside, kBeside, kUnclear };
 
 /// Most triangles are well shaped: where the query is clearly above such a face, plain products
 /// tell accurately enough what is below it, and steps there. Their rounding moves that, along the
-/// face, by less than 2^6*u of the way to the nearest corner; that changes the distance, which is
-/// 2^-20 of that way or more, by less than 2^-20*u of it.
+/// face, by less than 2^10*u of the way to the nearest corner; that changes the distance, which is
+/// 2^-20 of that way or more, by less than 2^-13*u of it.
 Plainly stepPlainly(const View& view, const Products& products, Candidate& best) {
   const auto& [left, right, both, along_left, along_right] = products;
   const double edges = left * right;
   const double squared_normal = edges - both * both;
-  if (!products.areComparable() || !(squared_normal > kWellShaped * edges))
+  if (!products.areComparable() || !(squared_normal > kFairlyShaped * edges))
     return Plainly::kUnclear;
   const double s = (both * along_right - right * along_left) / squared_normal;
   const double t = (both * along_left - left * along_right) / squared_normal;
@@ -214,6 +218,36 @@ bool isClosestCorner(const Vector3d& offset, const Vector3d& edge, const Vector3
     return isSafe(squared) && squared > least && offset.dot(step) >= 0;
   };
   return leads_away(edge) && leads_away(other_edge);
+}
+
+bool isClosestOnEdge(const Vector3d& query, const ClosestPoint& closest, const Vector3d& start,
+                     const Vector3d& end, const Vector3d& corner) {
+  // Let s be the root of `squared_scale`, w the way from the point to the corner. No edge is longer
+  // than 33*w; rounding takes less than 2^-46*s^2 of a squared distance that matters here.
+  // - What is below the query has a weight of this corner of less than -2^-17*s by the height of it
+  //   there, of which rounding takes less than 2^-36*s.
+  // - The corner's squared distance is 2^-35*s^2 more than the point's, or above.
+  // - Another edge leads less far towards the query than this one, by 2^-21*s or more: what is
+  //   nearest on it, if it leads there at all, has a squared distance of 2^-42*s^2 more, or above.
+  constexpr double kMuchLonger = 0x1p10;
+  const Vector3d edge = end - start;
+  const Vector3d to_corner = corner - closest.point;
+  const double squared_edge = squaredLength(edge);
+  const double squared_way = squaredLength(to_corner);
+  const double squared_scale = closest.squared_distance + squared_edge;
+  const double away = closest.offset.dot(to_corner);
+  if (!(isSafe(squared_edge) && isSafe(squared_way) && squared_way < kMuchLonger * squared_edge &&
+        squared_edge < kMuchLonger * squared_way && squared_way > kNearlyNothing * squared_scale &&
+        away > 0 && away * away > 0x1p-32 * squared_scale * squared_way))
+    return false;
+
+  // Nor does a box that holds the edge cut anything off the offset, however narrow it is.
+  const auto is_within = [&](Eigen::Index i) {
+    const double to_start = (start[i] - query[i]) - closest.offset[i];
+    const double to_end = (end[i] - query[i]) - closest.offset[i];
+    return edge[i] == 0 || to_start * to_end < 0;
+  };
+  return is_within(0) && is_within(1) && is_within(2);
 }
 
 double roomAtClosestCorner(const Vector3d& offset, const Vector3d& edge,

@@ -159,10 +159,7 @@ class NearestSearch : protected Search {
   template <Sign kSign>
   void measureFor(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return;
-    if (isTied(leaf)) {
-      if (leaf < best_leaf) nameTied(leaf);
-      return;
-    }
+    if (ties(leaf)) return;
     const Corners& vertices = leaf_corners[leaf];
     const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
@@ -207,16 +204,51 @@ class NearestSearch : protected Search {
     return vertices[static_cast<std::size_t>(feature)];
   }
 
-  /// Around a vertex that is nearest all triangles tie: this is told sooner than they are measured.
-  bool isTied(FarthestPairTree::Leaf leaf) const {
-    return fromBestVertex(leaf, false, isClosestCorner);
+  /// Around a vertex that is nearest all triangles tie, and beside an edge: this is told sooner
+  /// than they are measured. Names the triangle if it comes before the one named so far: measuring
+  /// it would find the same point.
+  bool ties(FarthestPairTree::Leaf leaf) {
+    if (best_vertex != kNoVertex) return tiesAtVertex(leaf);
+    return std::is_same_v<Tip, PointTip> && best_leaf != kNoLeaf && tiesAtEdge(leaf);
   }
-  /// REQUIRES: it is tied. What measuring it would find is the same vertex.
-  void nameTied(FarthestPairTree::Leaf leaf) {
-    const std::size_t corner = cornerAtBestVertex(leaf_corners[leaf]);
+  bool tiesAtVertex(FarthestPairTree::Leaf leaf) {
+    if (!fromBestVertex(leaf, false, isClosestCorner)) return false;
+    if (leaf < best_leaf) {
+      const std::size_t corner = cornerAt(best_vertex, leaf_corners[leaf]);
+      name(leaf, static_cast<Feature>(corner),
+           Eigen::Vector3d::Unit(static_cast<Eigen::Index>(corner)));
+    }
+    return true;
+  }
+  bool tiesAtEdge(FarthestPairTree::Leaf leaf) {
+    constexpr auto kFirst = static_cast<std::size_t>(Feature::kEdgeAB);
+    const std::size_t edge = static_cast<std::size_t>(pair_.on_second.feature) - kFirst;
+    if (edge > 2) return false;
+    const auto after = [](std::size_t corner) { return corner == 2 ? 0 : corner + 1; };
+    const VertexId start = leaf_corners[best_leaf][edge];
+    const VertexId end = leaf_corners[best_leaf][after(edge)];
+    const Corners& vertices = leaf_corners[leaf];
+    const std::size_t at_start = cornerAt(start, vertices);
+    const std::size_t at_end = cornerAt(end, vertices);
+    if (vertices[at_start] != start || vertices[at_end] != end) return false;
+    const TriangleMesh& mesh = organ_.mesh();
+    if (!isClosestOnEdge(tip_.corner(0), pair_.on_second, mesh.position(start), mesh.position(end),
+                         mesh.position(vertices[3 - at_start - at_end])))
+      return false;
+    if (leaf < best_leaf) {
+      Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+      weights[at_start] = pair_.on_second.barycentric[edge];
+      weights[at_end] = pair_.on_second.barycentric[after(edge)];
+      name(leaf, static_cast<Feature>(kFirst + (after(at_start) == at_end ? at_start : at_end)),
+           weights);
+    }
+    return true;
+  }
+  /// For the same point.
+  void name(FarthestPairTree::Leaf leaf, Feature feature, const Eigen::Vector3d& weights) {
     best_leaf = leaf;
-    pair_.on_second.barycentric = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(corner));
-    pair_.on_second.feature = static_cast<Feature>(corner);
+    pair_.on_second.feature = feature;
+    pair_.on_second.barycentric = weights;
   }
   double roomOfTie(FarthestPairTree::Leaf leaf) const {
     if (leaf <= best_leaf) return -1.0;
@@ -229,7 +261,7 @@ class NearestSearch : protected Search {
   template <class Answer, class Ask>
   Answer fromBestVertex(FarthestPairTree::Leaf leaf, Answer otherwise, const Ask& ask) const {
     const Corners& vertices = leaf_corners[leaf];
-    const std::size_t corner = cornerAtBestVertex(vertices);
+    const std::size_t corner = cornerAt(best_vertex, vertices);
     if (best_vertex == kNoVertex || vertices[corner] != best_vertex) return otherwise;
     const auto edge_to = [&](std::size_t other) -> Eigen::Vector3d {
       return organ_.mesh().position(vertices[other]) - pair_.on_second.point;
@@ -237,9 +269,9 @@ class NearestSearch : protected Search {
     return ask(pair_.on_second.offset, edge_to(corner == 2 ? 0 : corner + 1),
                edge_to(corner == 0 ? 2 : corner - 1));
   }
-  /// Of a triangle that has it; c of others.
-  std::size_t cornerAtBestVertex(const Corners& vertices) const {
-    return vertices[0] == best_vertex ? 0 : vertices[1] == best_vertex ? 1 : 2;
+  /// Of a triangle that has the vertex; c of others.
+  static std::size_t cornerAt(VertexId vertex, const Corners& vertices) {
+    return vertices[0] == vertex ? 0 : vertices[1] == vertex ? 1 : 2;
   }
 
   void measureAll() {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -296,6 +297,49 @@ TEST(ClosestPoint, StaysTheCornerWhileTheQueryMovesLessThanTheEdgesLeadAway) {
   const Vector3d offset(0, 0, -3);
   const Vector3d edge(0, 0, -1), other_edge(std::sqrt(8.0), 0, -1);
   EXPECT_NEAR(roomAtClosestCorner(offset, edge, other_edge), 1.0, 1e-12);
+}
+
+/// Whether isClosestOnEdge() says so; then any triangle with that edge and corner gives the same.
+bool isTiedAtEdge(const Vector3d& query, const ClosestPoint& closest, const Triangle& t) {
+  if (!isClosestOnEdge(query, closest, t.a, t.b, t.c)) return false;
+  const Vector3d& w = closest.barycentric;
+  const auto expect = [&](const Triangle& tied, const Vector3d& weights, Feature feature) {
+    EXPECT_TRUE(
+        sameBits(closestPointOnTriangle(query, tied),
+                 {closest.point, closest.offset, weights, feature, closest.squared_distance}));
+  };
+  expect(t, w, Feature::kEdgeAB);
+  expect({t.c, t.a, t.b}, {w.z(), w.x(), w.y()}, Feature::kEdgeBC);
+  expect({t.b, t.c, t.a}, {w.y(), w.z(), w.x()}, Feature::kEdgeCA);
+  expect({t.b, t.a, t.c}, {w.y(), w.x(), w.z()}, Feature::kEdgeAB);
+  return true;
+}
+
+TEST(ClosestPoint, IsTheSameOnAnEdgeFromWhichTheThirdCornerLeadsAway) {
+  HardTriangles triangles(14);
+  int found = 0;
+  for (int i = 0; i < 10 * kSamples && !HasFailure(); ++i) {
+    const Vector3d start = triangles.inCube();
+    Vector3d edge = triangles.inCube();
+    if (triangles.oneIn(2)) edge.x() = triangles.magnitude(-17, -12);
+    const Vector3d end = start + edge;
+    // Above the edge, perhaps hardly beside a corner; near or far away.
+    const double from_start =
+        triangles.oneIn(2) ? triangles.uniform(0, 1) : triangles.magnitude(-12, 0);
+    const Vector3d foot = start + (triangles.oneIn(2) ? from_start : 1 - from_start) * edge;
+    const Vector3d up = edge.cross(triangles.inCube());
+    const Vector3d query = foot + triangles.magnitude(-4, 4) * up;
+    const ClosestPoint closest = closestPointOnTriangle(query, {start, end, foot - up});
+    if (closest.feature != Feature::kEdgeAB) continue;
+    // The corner near or far away; sideways, a little or much away, or towards the query.
+    for (const double away :
+         {0.0, 1.0, triangles.magnitude(-12, 2), -triangles.magnitude(-12, 2)}) {
+      const Vector3d sideways = triangles.uniform(-1, 1) * edge + up.cross(edge);
+      const Vector3d corner = foot + triangles.magnitude(-6, 6) * (sideways - away * up);
+      if (isTiedAtEdge(query, closest, {start, end, corner})) ++found;
+    }
+  }
+  EXPECT_GT(found, kSamples);
 }
 
 TEST(ClosestPoint, IsFiniteForTheLargestCoordinates) {

@@ -35,6 +35,20 @@ TEST(NearestTriangle, OfACubeIsOnTheFaceInFront) {
             -std::sqrt((1.0 - 0.9) * (1.0 - 0.9)));
 }
 
+/// The nearest triangle, of those that tie the first of the hierarchy's leaves.
+TriangleId triangleByBruteForce(const CollisionMesh& organ, const Eigen::Vector3d& tip) {
+  TriangleId nearest{};
+  double least = std::numeric_limits<double>::infinity();
+  for (FarthestPairTree::Leaf leaf = 0; leaf < organ.tree().root().size(); ++leaf) {
+    const TriangleId triangle = organ.tree().triangle(leaf);
+    const double squared_distance =
+        closestPointOnTriangle(tip, organ.mesh().triangle(triangle)).squared_distance;
+    if (squared_distance < least) nearest = triangle;
+    least = std::min(least, squared_distance);
+  }
+  return nearest;
+}
+
 class NearestTriangleOf : public test::EveryVectorUnit {};
 ORGAN_COLLISION_ON_EVERY_VECTOR_UNIT(NearestTriangleOf);
 
@@ -44,12 +58,17 @@ TEST_P(NearestTriangleOf, PointTipsEqualsBruteForceBitForBit) {
     for (std::size_t i = 0; i < queryCount(3000); ++i) {
       const Eigen::Vector3d tip = randomTip(generator, organ);
       const NearestTriangle nearest = nearestTriangle(organ, tip);
-      ASSERT_EQ(std::abs(nearest.distance),
-                std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
       ASSERT_TRUE(nearest.isExact());
-      ASSERT_EQ(
-          nearest.closest.squared_distance,
-          closestPointOnTriangle(tip, organ.mesh().triangle(nearest.triangle)).squared_distance);
+      ASSERT_EQ(nearest.triangle, triangleByBruteForce(organ, tip));
+      const ClosestPoint& closest = nearest.closest;
+      const ClosestPoint measured =
+          closestPointOnTriangle(tip, organ.mesh().triangle(nearest.triangle));
+      ASSERT_EQ(std::abs(nearest.distance), std::sqrt(measured.squared_distance));
+      ASSERT_EQ(closest.squared_distance, measured.squared_distance);
+      ASSERT_EQ(closest.point, measured.point);
+      ASSERT_EQ(closest.offset, measured.offset);
+      ASSERT_EQ(closest.barycentric, measured.barycentric);
+      ASSERT_EQ(closest.feature, measured.feature);
     }
   }
 }

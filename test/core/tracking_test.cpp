@@ -27,6 +27,8 @@ void expectSame(const NearestTriangle& tracked, const NearestTriangle& searched)
   ASSERT_EQ(tracked.upper_bound, searched.upper_bound);
   ASSERT_EQ(tracked.distance_signed, searched.distance_signed);
   ASSERT_EQ(tracked.closest.point, searched.closest.point);
+  ASSERT_EQ(tracked.closest.barycentric, searched.closest.barycentric);
+  ASSERT_EQ(tracked.closest.feature, searched.closest.feature);
   ASSERT_EQ(tracked.tip_point, searched.tip_point);
   ASSERT_EQ(tracked.normal, searched.normal);
 }

@@ -49,6 +49,14 @@ ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle
 bool isClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
                      const Eigen::Vector3d& other_edge);
 
+/// True only if closestPointOnTriangle() gives `closest`, which it gave of a triangle that has the
+/// edge from `start` to `end` [m] and is nearest inside that, also of one that has `corner` [m]
+/// besides: bit for bit, but for the order of the weights. A quick test, which may be false though
+/// it does.
+bool isClosestOnEdge(const Eigen::Vector3d& query, const ClosestPoint& closest,
+                     const Eigen::Vector3d& start, const Eigen::Vector3d& end,
+                     const Eigen::Vector3d& corner);
+
 /// How far [m] the query may move, wherever to, and isClosestCorner() still says so. REQUIRES: it
 /// does.
 double roomAtClosestCorner(const Eigen::Vector3d& offset, const Eigen::Vector3d& edge,
