@@ -51,6 +51,10 @@ std::string refusalOf(const TransformStamped& transform, const std::string& publ
          transform.header.frame_id + "': " + fault;
 }
 
+constexpr const char* kRepeated =
+    "tf has one of that time already: does a clock stand still, is a recording played again, or do "
+    "two tell of it?";
+
 }  // namespace
 
 /// Notes a transform, or returns what tf has that does not go with it. tf2 itself would tell no
@@ -64,8 +68,7 @@ std::string TransformIntake::admit(const TransformStamped& transform, bool is_st
            " before; if that was a mistake, start this node anew";
   if (is_static) return "";
   const ros::Time& stamp = transform.header.stamp;
-  if (stamp == known.newest)
-    return "tf has one of that time already: does a clock stand still, or do two tell of it?";
+  if (stamp == known.newest) return kRepeated;
   if (known.newest.toSec() - stamp.toSec() > buffer_.getCacheLength().toSec())
     return "it is older than what tf keeps";
   known.newest = std::max(known.newest, stamp);
@@ -90,7 +93,7 @@ std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& messag
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);
-        if (!buffer_.setTransform(transform, publisher, is_static)) fault = "tf drops it";
+        if (!buffer_.setTransform(transform, publisher, is_static)) fault = kRepeated;
       }
     } catch (const std::exception& error) {
       fault = error.what();

@@ -15,10 +15,11 @@ namespace {
 // All [px].
 constexpr double kFontSize = 12.0;
 constexpr double kTitleSize = 17.0;
-constexpr double kMargin = 14.0;  // around the figure
-constexpr double kLeft = 66.0;    // of a plot's frame: tick labels and the axis' name
-constexpr double kBottom = 50.0;  // likewise
-constexpr double kTop = 28.0;     // the plot's title
+constexpr double kMargin = 14.0;    // around the figure
+constexpr double kLeft = 82.0;      // of a plot's frame: tick labels and the axis' name
+constexpr double kAxisName = 66.0;  // where that starts, left of the frame
+constexpr double kBottom = 50.0;    // likewise
+constexpr double kTop = 28.0;       // the plot's title
 constexpr const char* kInk = "#222222";
 constexpr const char* kFaint = "#e4e4e4";
 
@@ -88,10 +89,10 @@ class PlotDrawing {
       drawing += segment(area_.left, y_.scaleStart(), area_.right, y_.scaleStart(), "#888888");
       drawing += text(area_.left - 7.0, y_.rail() + 4.0, plot_.y.zero_rail, "end", kLabelSize);
     }
-    const std::string x = pixels(area_.left - 50.0);
-    const std::string y = pixels(0.5 * (area_.top + area_.bottom));
-    return drawing + text(area_.left - 50.0, 0.5 * (area_.top + area_.bottom), plot_.y.label,
-                          "middle", kFontSize, " transform=\"rotate(-90 " + x + " " + y + ")\"");
+    const double x = area_.left - kAxisName;
+    const double y = 0.5 * (area_.top + area_.bottom);
+    return drawing + text(x, y, plot_.y.label, "middle", kFontSize,
+                          " transform=\"rotate(-90 " + pixels(x) + " " + pixels(y) + ")\"");
   }
 
   struct Place {
