@@ -159,7 +159,7 @@ class NearestSearch : protected Search {
   template <Sign kSign>
   void measureFor(FarthestPairTree::Leaf leaf) {
     if (squared_best_ == 0.0 && leaf > best_leaf) return;
-    if (ties(leaf)) return;
+    if (nameIfTied(leaf)) return;
     const Corners& vertices = leaf_corners[leaf];
     const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
     const double squared_distance = candidate.on_second.squared_distance;
@@ -205,22 +205,22 @@ class NearestSearch : protected Search {
   }
 
   /// Around a vertex that is nearest all triangles tie, and beside an edge: this is told sooner
-  /// than they are measured. Names the triangle if it comes before the one named so far: measuring
-  /// it would find the same point.
-  bool ties(FarthestPairTree::Leaf leaf) {
-    if (best_vertex != kNoVertex) return tiesAtVertex(leaf);
-    return std::is_same_v<Tip, PointTip> && best_leaf != kNoLeaf && tiesAtEdge(leaf);
+  /// than they are measured, which would find the same point. Whether this one does; it is named
+  /// then, if it comes before the one that was.
+  bool nameIfTied(FarthestPairTree::Leaf leaf) {
+    if (best_vertex != kNoVertex) return nameIfTiedAtVertex(leaf);
+    return std::is_same_v<Tip, PointTip> && best_leaf != kNoLeaf && nameIfTiedAtEdge(leaf);
   }
-  bool tiesAtVertex(FarthestPairTree::Leaf leaf) {
+  bool nameIfTiedAtVertex(FarthestPairTree::Leaf leaf) {
     if (!fromBestVertex(leaf, false, isClosestCorner)) return false;
     if (leaf < best_leaf) {
       const std::size_t corner = cornerAt(best_vertex, leaf_corners[leaf]);
-      name(leaf, static_cast<Feature>(corner),
-           Eigen::Vector3d::Unit(static_cast<Eigen::Index>(corner)));
+      nameInstead(leaf, static_cast<Feature>(corner),
+                  Eigen::Vector3d::Unit(static_cast<Eigen::Index>(corner)));
     }
     return true;
   }
-  bool tiesAtEdge(FarthestPairTree::Leaf leaf) {
+  bool nameIfTiedAtEdge(FarthestPairTree::Leaf leaf) {
     constexpr auto kFirst = static_cast<std::size_t>(Feature::kEdgeAB);
     const std::size_t edge = static_cast<std::size_t>(pair_.on_second.feature) - kFirst;
     if (edge > 2) return false;
@@ -239,13 +239,14 @@ class NearestSearch : protected Search {
       Eigen::Vector3d weights = Eigen::Vector3d::Zero();
       weights[at_start] = pair_.on_second.barycentric[edge];
       weights[at_end] = pair_.on_second.barycentric[after(edge)];
-      name(leaf, static_cast<Feature>(kFirst + (after(at_start) == at_end ? at_start : at_end)),
-           weights);
+      nameInstead(leaf,
+                  static_cast<Feature>(kFirst + (after(at_start) == at_end ? at_start : at_end)),
+                  weights);
     }
     return true;
   }
   /// For the same point.
-  void name(FarthestPairTree::Leaf leaf, Feature feature, const Eigen::Vector3d& weights) {
+  void nameInstead(FarthestPairTree::Leaf leaf, Feature feature, const Eigen::Vector3d& weights) {
     best_leaf = leaf;
     pair_.on_second.feature = feature;
     pair_.on_second.barycentric = weights;
