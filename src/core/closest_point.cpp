@@ -231,7 +231,7 @@ bool isClosestOnEdge(const Vector3d& query, const ClosestPoint& closest, const V
   //   nearest on it, if it leads there at all, has a squared distance of 2^-42*s^2 more, or above.
   constexpr double kMuchLonger = 0x1p10;
   const Vector3d edge = end - start;
-  const Vector3d to_corner = corner - closest.point;
+  const Vector3d to_corner = (corner - query) - closest.offset;  // the point itself is rounded
   const double squared_edge = squaredLength(edge);
   const double squared_way = squaredLength(to_corner);
   const double squared_scale = closest.squared_distance + squared_edge;

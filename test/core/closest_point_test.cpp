@@ -319,7 +319,9 @@ TEST(ClosestPoint, IsTheSameOnAnEdgeFromWhichTheThirdCornerLeadsAway) {
   HardTriangles triangles(14);
   int found = 0;
   for (int i = 0; i < 10 * kSamples && !HasFailure(); ++i) {
-    const Vector3d start = triangles.inCube();
+    // Up to so far from the origin that coordinates, and the point, are rounded to an eighth.
+    const Vector3d start =
+        (triangles.oneIn(2) ? 1.0 : triangles.magnitude(0, 15)) * triangles.inCube();
     Vector3d edge = triangles.inCube();
     if (triangles.oneIn(2)) edge.x() = triangles.magnitude(-17, -12);
     const Vector3d end = start + edge;
