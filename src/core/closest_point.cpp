@@ -37,6 +37,7 @@ struct Candidate {
   Vector3d step;            ///< [m]
   double squared_distance;  ///< [m^2]
   Vector3d barycentric;     ///< in the order of the triangle's corners
+  Feature feature;
 };
 
 /// Ties are decided by coordinates, so that the order of the corners is forgotten.
@@ -48,12 +49,13 @@ bool isNearer(const Corner& left, const Corner& right) {
   return std::tie(p.x(), p.y(), p.z()) < std::tie(q.x(), q.y(), q.z());
 }
 
-Corners3 cornersSeenFrom(const Vector3d& query, const Triangle& triangle) {
+Corners3 cornersSeenFrom(const Vector3d& query, const Vector3d& a, const Vector3d& b,
+                         const Vector3d& c) {
   const auto corner = [&query](const Vector3d& position, int slot) {
     const Vector3d offset = position - query;
     return Corner{position, offset, squaredLength(offset), slot};
   };
-  return {corner(triangle.a, 0), corner(triangle.b, 1), corner(triangle.c, 2)};
+  return {corner(a, 0), corner(b, 1), corner(c, 2)};
 }
 
 std::size_t nearestOf(const Corners3& corners) {
@@ -78,17 +80,29 @@ struct View {
 };
 
 Candidate atCorner(const Corner& corner) {
-  Candidate at_corner = {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Zero()};
+  Candidate at_corner = {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Zero(),
+                         static_cast<Feature>(corner.slot)};
   at_corner.barycentric[corner.slot] = 1;
   return at_corner;
 }
 
-/// Steps to a point that is nearer than the best so far; false if it is not.
+/// Steps to a point that is nearer than the best so far; false if it is not. What is said of the
+/// point besides is left to be told.
 bool improve(Candidate& best, const Corner& base, const Vector3d& step) {
   const double squared_distance = squaredLength(base.offset + step);
   if (!(squared_distance < best.squared_distance)) return false;
-  best = {&base, step, squared_distance, Vector3d::Zero()};
+  best.base = &base;
+  best.step = step;
+  best.squared_distance = squared_distance;
   return true;
+}
+
+Feature featureOf(const Vector3d& barycentric) {
+  constexpr std::array<Feature, 8> kFeatures{Feature::kFace,   Feature::kVertexA, Feature::kVertexB,
+                                             Feature::kEdgeAB, Feature::kVertexC, Feature::kEdgeCA,
+                                             Feature::kEdgeBC, Feature::kFace};
+  return kFeatures[(barycentric.x() > 0 ? 1U : 0U) | (barycentric.y() > 0 ? 2U : 0U) |
+                   (barycentric.z() > 0 ? 4U : 0U)];
 }
 
 /// The point nearest to the query between the corners, unless it is `nearer` itself.
@@ -98,8 +112,10 @@ void considerEdge(const Corner& nearer, const Corner& farther, Candidate& best) 
   if (!(along > 0)) return;
   const double t = along / squaredLength(edge);
   if (!(t < 1) || !improve(best, nearer, t * edge)) return;
+  best.barycentric.setZero();
   best.barycentric[nearer.slot] = 1 - t;
   best.barycentric[farther.slot] = t;
+  best.feature = featureOf(best.barycentric);
 }
 
 /// False only where there is an area for sure.
@@ -145,6 +161,7 @@ Products inSafeUnit(const View& view) {
   best.barycentric[view.base.slot] = rest;
   best.barycentric[view.left.slot] = s;
   best.barycentric[view.right.slot] = t;
+  best.feature = Feature::kFace;
   return true;
 }
 
@@ -198,14 +215,6 @@ void considerBeyondBase(const View& view, const Products& products, Candidate& b
       isNearer(view.left, view.right) ? view : View(view.base, view.right, view.left);
   considerEdges(ordered, best);
   if (plainly == Plainly::kUnclear) considerFace(ordered, best);
-}
-
-Feature featureOf(const Vector3d& barycentric) {
-  constexpr std::array<Feature, 8> kFeatures{Feature::kFace,   Feature::kVertexA, Feature::kVertexB,
-                                             Feature::kEdgeAB, Feature::kVertexC, Feature::kEdgeCA,
-                                             Feature::kEdgeBC, Feature::kFace};
-  return kFeatures[(barycentric.x() > 0 ? 1U : 0U) | (barycentric.y() > 0 ? 2U : 0U) |
-                   (barycentric.z() > 0 ? 4U : 0U)];
 }
 
 }  // namespace
@@ -264,26 +273,27 @@ double roomAtClosestCorner(const Vector3d& offset, const Vector3d& edge,
   return std::max(0.0, std::min(room_of(edge), room_of(other_edge)));
 }
 
-ClosestPoint closestPointOnTriangle(const Vector3d& query, const Triangle& triangle) {
-  const Corners3 corners = cornersSeenFrom(query, triangle);
+ClosestPoint closestPointOnTriangle(const Vector3d& query, const Vector3d& a, const Vector3d& b,
+                                    const Vector3d& c) {
+  const Corners3 corners = cornersSeenFrom(query, a, b, c);
   const std::size_t nearest = nearestOf(corners);
   const View view(corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
                   corners[nearest == 0 ? 2 : nearest - 1]);
   Candidate best = atCorner(view.base);
   const Products products(view.base.offset, view.to_left, view.to_right);
   if (products.along_left >= 0 && products.along_right >= 0 && products.areSafe()) {
-    return {view.base.position, view.base.offset, best.barycentric, featureOf(best.barycentric),
+    return {view.base.position, view.base.offset, best.barycentric, best.feature,
             view.base.squared_distance};
   }
   considerBeyondBase(view, products, best);
 
-  const Box box = boxOf(triangle);
+  const Box box = boxOf(a, b, c);
   ClosestPoint closest;
   closest.offset =
       (best.base->offset + best.step).cwiseMax(box.low - query).cwiseMin(box.high - query);
   closest.point = (best.base->position + best.step).cwiseMax(box.low).cwiseMin(box.high);
   closest.barycentric = best.barycentric;
-  closest.feature = featureOf(best.barycentric);
+  closest.feature = best.feature;
   closest.squared_distance = squaredLength(closest.offset);
   return closest;
 }

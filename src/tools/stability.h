@@ -87,7 +87,9 @@ struct Trials {
 /// What is measured: the library, but where a test wants to see that its faults would be.
 struct Library {
   std::function<core::ClosestPoint(const Eigen::Vector3d&, const core::Triangle&)> closest_point =
-      core::closestPointOnTriangle;
+      [](const Eigen::Vector3d& query, const core::Triangle& triangle) {
+        return core::closestPointOnTriangle(query, triangle);
+      };
   std::function<core::ClosestPair(const core::Triangle&, const core::Triangle&)> closest_points =
       core::closestPoints;
   std::function<bool(const core::Triangle&, const core::Triangle&)> intersect =

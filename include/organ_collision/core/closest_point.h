@@ -27,9 +27,9 @@ struct ClosestPoint {
   double squared_distance;  ///< [m^2] squaredLength(offset)
 };
 
-/// The point of `triangle` closest to `query` [m], the same for every order of the corners.
-/// Zero-area triangles are the segment or the point that they are, decided exactly: they have no
-/// face.
+/// The point of the triangle a, b, c closest to `query` [m], the same for every order of the
+/// corners. Zero-area triangles are the segment or the point that they are, decided exactly: they
+/// have no face.
 ///
 /// The root of squared_distance is within 4*u*extent of the distance, for needles, caps and mixed
 /// scales alike (u = 2^-53, extent = longest vector from the query to a corner; the worst that a
@@ -42,7 +42,11 @@ struct ClosestPoint {
 /// Cost: some 25 ns, half of that where a corner is nearest (benchmark/triangle_benchmark).
 /// Source: three clamped segments and a face candidate; W. Kahan, "Mathematics written in sand"
 /// (1983), for the difference of products.
-ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle);
+ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Eigen::Vector3d& a,
+                                    const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+inline ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Triangle& triangle) {
+  return closestPointOnTriangle(query, triangle.a, triangle.b, triangle.c);
+}
 
 /// True only if closestPointOnTriangle() gives the corner that is `offset` [m] from the query,
 /// where these edges [m] start. A quick test, which may be false though it does.
