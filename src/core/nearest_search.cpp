@@ -35,7 +35,7 @@ SizedRoom enlargedRoom(const RoomSizes& sizes) {
 
 }  // namespace
 
-FrontierRoom roomFor(const WideTree& tree) {
+const FrontierRoom& roomFor(const WideTree& tree) {
   thread_local SizedRoom known = {};  // plain data: no guard is asked at each query
   const RoomSizes sizes = {tree.depth(), tree.nodes().size() + kLaneCount,
                            tree.packets().size() + kLaneCount};

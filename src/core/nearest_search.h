@@ -24,8 +24,9 @@ class PointTip {
   const Eigen::Vector3d& corner(std::size_t /*i*/) const { return point_; }
   const Eigen::Vector3d& routingPoint() const { return point_; }
   double squaredDistanceTo(const Box& box) const { return squaredDistance(box, point_); }
-  ClosestPair measure(const Triangle& triangle) const {
-    return {point_, closestPointOnTriangle(point_, triangle)};
+  ClosestPair measure(const TriangleMesh& mesh, const Corners& corners) const {
+    return {point_, closestPointOnTriangle(point_, mesh.position(corners[0]),
+                                           mesh.position(corners[1]), mesh.position(corners[2]))};
   }
 
  private:
@@ -42,7 +43,9 @@ class TriangleTip {
   }
   const Eigen::Vector3d& routingPoint() const { return centroid_; }
   double squaredDistanceTo(const Box& box) const { return squaredDistance(box, boxOf(tip_)); }
-  ClosestPair measure(const Triangle& triangle) const { return closestPoints(tip_, triangle); }
+  ClosestPair measure(const TriangleMesh& mesh, const Corners& corners) const {
+    return closestPoints(tip_, mesh.triangle(corners));
+  }
 
  private:
   const Triangle& tip_;
@@ -74,7 +77,7 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
              NearestTriangle& nearest);
 
 /// Room for what waits while a tree is searched; the calling thread's.
-FrontierRoom roomFor(const WideTree& tree);
+const FrontierRoom& roomFor(const WideTree& tree);
 
 /// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
 constexpr double kBeyond = 0x1p400;
@@ -92,6 +95,7 @@ class NearestSearch : protected Search {
     splits = tree.guide().nodes.data();
     packets = tree.packets().data();
     leaf_corners = tree.corners().data();
+    positions = organ.mesh().positions().front().data();
     fetches = tree.packets().size() > kUncachedPackets;
     for (std::size_t i = 0; i < Tip::kCorners; ++i) {
       if (i > 0 && tip.corner(i) == tip.corner(i - 1)) continue;  // a segment or a point
@@ -145,7 +149,7 @@ class NearestSearch : protected Search {
 
  protected:
   void walk() {
-    room = roomFor(organ_.wideTree());
+    room = &roomFor(organ_.wideTree());
     kernels().walk(*this);
   }
 
@@ -161,7 +165,7 @@ class NearestSearch : protected Search {
     if (squared_best_ == 0.0 && leaf > best_leaf) return;
     if (nameIfTied(leaf)) return;
     const Corners& vertices = leaf_corners[leaf];
-    const ClosestPair candidate = tip_.measure(organ_.mesh().triangle(vertices));
+    const ClosestPair candidate = tip_.measure(organ_.mesh(), vertices);
     const double squared_distance = candidate.on_second.squared_distance;
     if constexpr (kSign == Sign::kProven) {
       if (squared_distance <= squared_tie_) contest(leaf, candidate.on_second);

@@ -9,14 +9,9 @@
 
 namespace organ_collision::core {
 
-void requireUsable(const Accuracy& accuracy) {
-  const auto require = [](double value, const char* name) {
-    if (std::isfinite(value) && value >= 0.0) return;
-    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
-                                ": it must be finite and >= 0");
-  };
-  require(accuracy.max_relative_error, "max_relative_error");
-  require(accuracy.max_absolute_error, "max_absolute_error");
+void refuseError(const char* field, double value) {
+  throw std::invalid_argument(std::string(field) + " is " + std::to_string(value) +
+                              ": it must be finite and >= 0");
 }
 
 namespace {
@@ -25,7 +20,7 @@ namespace {
 template <class Tip>
 NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip, Sign sign) {
   const auto [leaf, splits] = greedySearch(organ, tip.routingPoint());
-  const ClosestPair pair = tip.measure(organ.mesh().triangle(organ.wideTree().corners()[leaf]));
+  const ClosestPair pair = tip.measure(organ.mesh(), organ.wideTree().corners()[leaf]);
   const double to_box = std::sqrt(tip.squaredDistanceTo(organ.health().box));
   NearestTriangle nearest = unsignedAnswer(organ, leaf, pair, to_box, {splits, 1});
   if (sign == Sign::kProven) addSign(organ, tip.corner(0), nearest);
@@ -41,9 +36,10 @@ template <class Tip>
   return nearest;
 }
 
+/// In one piece with the public functions: what is done once a query counts.
 template <class Tip>
-NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy,
-                          Sign sign) {
+[[gnu::always_inline]] inline NearestTriangle nearestTo(const CollisionMesh& organ, const Tip& tip,
+                                                        const Accuracy& accuracy, Sign sign) {
   requireUsable(accuracy);
   if (accuracy.max_leaves == 1) return greedyTo(organ, tip, sign);
   return searchFrom(organ, tip, accuracy, sign);

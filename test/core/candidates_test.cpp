@@ -23,7 +23,8 @@ Truth<float> firstLanes(float count) {
   return Lanes<float>::numbers() <= Lanes<float>::all(count - 1);
 }
 
-class CandidatesOfPackets : public testing::Test {
+template <bool kExact>
+class CandidatesFor : public testing::Test {
  protected:
   static constexpr float kRounding = 0.125F;
 
@@ -34,13 +35,17 @@ class CandidatesOfPackets : public testing::Test {
   }
 
   std::vector<std::uint32_t> takenWithin(float reach) {
-    Candidates<float, false>::Leaves leaves;
+    typename Candidates<float, kExact>::Leaves leaves;
     const std::uint32_t count = candidates_.takeWithin(reach, leaves);
     return {leaves, leaves + count};
   }
 
-  Candidates<float, false> candidates_;
+  typename Candidates<float, kExact>::Room room_;
+  Candidates<float, kExact> candidates_{room_};
 };
+
+using CandidatesOfPackets = CandidatesFor<false>;
+using CandidatesOfExactSearches = CandidatesFor<true>;
 
 TEST_F(CandidatesOfPackets, AreNotFartherThanTheNearest) {
   EXPECT_EQ(candidates_.notFarther(), kFloatInfinity);
@@ -81,6 +86,38 @@ TEST_F(CandidatesOfPackets, LeaveNothingOutThatIsNoCandidate) {
   EXPECT_EQ(candidates_.leftOut(), kFloatInfinity);
   candidates_.leaveOut(firstLanes(2), squaresFrom(3.0F));
   EXPECT_NEAR(candidates_.leftOut(), 3.0F - kRounding, 1e-5F);
+}
+
+TEST_F(CandidatesOfExactSearches, AreToldWhetherOneIsAlone) {
+  add(5.0F, 8, 100);
+  add(2.0F, 8, 200);
+  EXPECT_FALSE(candidates_.takeOnlyWithin(2.9F));  // 201, too: 3 less 1/8
+  EXPECT_FALSE(candidates_.takeOnlyWithin(9.0F));
+  add(1.0F, 8, 300);
+  EXPECT_FALSE(candidates_.takeOnlyWithin(1.9F));  // 301; and 200, in the lane of 300
+  EXPECT_TRUE(candidates_.takeOnlyWithin(1.8F));
+  EXPECT_EQ(candidates_.packetCount(), 0U);
+  add(4.0F, 1, 400);
+  EXPECT_TRUE(candidates_.takeOnlyWithin(9.0F));
+}
+
+TEST_F(CandidatesOfExactSearches, AreNotAloneBesideOneInTheSameLane) {
+  add(4.0F, 1, 100);
+  add(4.5F, 1, 200);
+  EXPECT_FALSE(candidates_.takeOnlyWithin(4.4F));
+  EXPECT_THAT(takenWithin(4.4F), ElementsAre(100, 200));
+  add(4.5F, 1, 100);
+  add(4.0F, 1, 200);
+  EXPECT_FALSE(candidates_.takeOnlyWithin(4.4F));
+  EXPECT_TRUE(candidates_.takeOnlyWithin(4.3F));
+}
+
+TEST_F(CandidatesOfExactSearches, AreNotTakenForAloneWhereOthersWereDropped) {
+  add(4.0F, 8, 100);
+  add(2.0F, 1, 200);
+  candidates_.dropBeyond(4.0F);
+  EXPECT_FALSE(candidates_.takeOnlyWithin(4.0F));
+  EXPECT_TRUE(candidates_.takeOnlyWithin(2.0F));
 }
 
 }  // namespace

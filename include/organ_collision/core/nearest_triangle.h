@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 
 #include "organ_collision/core/closest_point.h"
 #include "organ_collision/core/collision_mesh.h"
@@ -20,8 +21,17 @@ struct Accuracy {
   static Accuracy greedy() { return {0.0, 0.0, 1}; }
 };
 
-/// Throws std::invalid_argument naming the field unless both errors are finite and >= 0.
-void requireUsable(const Accuracy& accuracy);
+/// Throws std::invalid_argument naming the field and its value.
+[[noreturn]] void refuseError(const char* field, double value);
+/// The same unless both errors are finite and >= 0; every query asks that.
+inline void requireUsable(const Accuracy& accuracy) {
+  const auto require = [](const char* field, double value) {
+    if (!(value >= 0.0 && value < std::numeric_limits<double>::infinity()))
+      refuseError(field, value);
+  };
+  require("max_relative_error", accuracy.max_relative_error);
+  require("max_absolute_error", accuracy.max_absolute_error);
+}
 
 /// Whether to decide inside or outside.
 enum class Sign : std::uint8_t {

@@ -17,6 +17,15 @@ class Candidates {
   /// Room for their leaves, and for what takeWithin() writes besides.
   using Leaves = std::uint32_t[(kMost + 1) * std::size_t{kLaneCount}];
 
+  struct Packet {
+    Lanes<Real> squares;  ///< of the bounds, but for rounding; infinite where there is no candidate
+    std::uint32_t first_leaf;
+  };
+  /// A list, apart from all else, which then is kept in registers.
+  using Room = Packet[kMost];
+
+  explicit Candidates(Room& room) : packets_(room) {}
+
   std::uint32_t packetCount() const { return count_; }
 
   /// These lanes of a packet that starts with that leaf. REQUIRES: fewer than kMost are there.
@@ -25,8 +34,13 @@ class Candidates {
     rounding_ = rounding > rounding_ ? rounding : rounding_;
     const Truth<Real> nearer = lanes & !(not_farther_ <= range.high);
     not_farther_ = select(nearer, range.high, not_farther_);
-    nearest_ = select(nearer, Lanes<Real>::all(static_cast<Real>(count_)), nearest_);
-    packets_[count_++] = {select(lanes, range.low, infinite<Real>()), first_leaf};
+    nearest_.put(nearer, first_leaf);
+    const Lanes<Real> squares = select(lanes, range.low, infinite<Real>());
+    if constexpr (kExact) {
+      second_ = smaller(second_, larger(least_, squares));
+      least_ = smaller(least_, squares);
+    }
+    packets_[count_++] = {squares, first_leaf};
   }
 
   /// Lanes that are not to be added.
@@ -48,7 +62,20 @@ class Candidates {
   std::uint32_t nearestLeaf() const {
     const Truth<Real> is_nearest = not_farther_ <= Lanes<Real>::all(leastOf(not_farther_));
     const std::uint32_t lane = lowestBit(is_nearest.bits());
-    return packets_[static_cast<std::uint32_t>(nearest_[lane])].first_leaf + lane;
+    const LaneLabels<Real> first_leaves = nearest_;  // what is asked by number is in memory
+    return first_leaves[lane] + lane;
+  }
+
+  /// Whether no more than one is not farther: then all are dropped, and none has to be listed. Only
+  /// of an exact search; false also where another was, that was dropped as it is farther than a
+  /// larger reach.
+  bool takeOnlyWithin(Real reach) {
+    static_assert(kExact);
+    const Lanes<Real> limit = Lanes<Real>::all(squareOf(reach + rounding_));
+    const std::uint32_t lanes = (least_ <= limit).bits();
+    if ((lanes & (lanes - 1)) != 0 || (second_ <= limit).bits() != 0) return false;
+    restart(0);
+    return true;
   }
 
   /// Leaves out those that are farther.
@@ -83,11 +110,6 @@ class Candidates {
   Real leftOut() const { return leastOf(boundsOf(left_out_)); }
 
  private:
-  struct Packet {
-    Lanes<Real> squares;  // of the bounds, but for rounding; infinite where there is no candidate
-    std::uint32_t first_leaf;
-  };
-
   Truth<Real> within(Real reach, const Lanes<Real>& squares) {
     const Truth<Real> within = squares <= Lanes<Real>::all(squareOf(reach + rounding_));
     if constexpr (!kExact) leaveOut(!within, squares);
@@ -97,13 +119,16 @@ class Candidates {
   void restart(std::uint32_t count) {
     count_ = count;
     not_farther_ = infinite<Real>();
+    if (count == 0) least_ = second_ = infinite<Real>();
   }
 
-  Packet packets_[kMost];
+  Packet* packets_;
   std::uint32_t count_ = 0;
   Real rounding_ = 0;                           // of all distances so far, at most
   Lanes<Real> not_farther_ = infinite<Real>();  // in each lane the nearest, squared
-  Lanes<Real> nearest_ = {};                    // its packet
+  LaneLabels<Real> nearest_ = {};               // its packet's first leaf
+  Lanes<Real> least_ = infinite<Real>();        // in each lane the least bound, squared,
+  Lanes<Real> second_ = infinite<Real>();       // and the next
   Lanes<Real> left_out_ = infinite<Real>();     // in each lane the nearest of those, squared
 };
 

@@ -12,11 +12,22 @@ namespace {
 template <std::uint32_t kCorners>
 class FrontWalk {
  public:
-  explicit FrontWalk(Search& search) : search_(search), front_(*search.front), nearest_(search) {
+  /// False where there is no room for all that has to be opened.
+  static bool run(Search& search) {
+    typename Nearest::Room room;
+    return FrontWalk(search, room).run();
+  }
+
+ private:
+  static constexpr float kNotTied = -1.0F;
+  static constexpr double kApproachRounding = 4 * kRoundoff<float>;
+  using Nearest = NearestSoFar<float, kCorners, true>;
+
+  FrontWalk(Search& search, typename Nearest::Room& room)
+      : search_(search), front_(*search.front), nearest_(search, room) {
     keeper_.start(front_);
   }
 
-  /// False where there is no room for all that has to be opened.
   bool run() {
     nearest_.measure(front_.nearest);
     if (search_.best_vertex != kNoVertex) {
@@ -28,11 +39,6 @@ class FrontWalk {
     if (search_.best_leaf != front_.nearest) front_.tied_vertex = kNoVertex;
     return true;
   }
-
- private:
-  static constexpr bool kExact = true;
-  static constexpr float kNotTied = -1.0F;
-  static constexpr double kApproachRounding = 4 * kRoundoff<float>;
 
   /// At what is within reach; false where there is no room for what has to be opened.
   bool lookAtAllWithin(const Lanes<float>& allowed) {
@@ -133,13 +139,13 @@ class FrontWalk {
 
   Search& search_;
   Front& front_;
-  NearestSoFar<float, kCorners, kExact> nearest_;
+  Nearest nearest_;
   FrontKeeper<kCorners> keeper_;
   float approach_ = kFloatInfinity;  // without a nearest vertex nobody shares it
 };
 
 /// In one piece, like walkInOnePiece().
-[[gnu::flatten]] inline bool followPoint(Search& search) { return FrontWalk<1>(search).run(); }
+[[gnu::flatten]] inline bool followPoint(Search& search) { return FrontWalk<1>::run(search); }
 
 /// REQUIRES: the search is exact, and its tip is near; there is a front.
 inline bool follow(Search& search) {
@@ -147,9 +153,9 @@ inline bool follow(Search& search) {
     case 1:
       return followPoint(search);
     case 2:
-      return FrontWalk<2>(search).run();
+      return FrontWalk<2>::run(search);
     default:
-      return FrontWalk<3>(search).run();
+      return FrontWalk<3>::run(search);
   }
 }
 

@@ -14,11 +14,14 @@ namespace {
 template <class Real, std::uint32_t kCorners, bool kExact>
 class NearestSoFar {
  public:
-  explicit NearestSoFar(Search& search)
+  using Room = typename Candidates<Real, kExact>::Room;
+
+  NearestSoFar(Search& search, Room& room)
       : search_(search),
         tip_(search),
         share_(kExact || search.share == 1.0 ? 1 : static_cast<Real>(search.share * (1 + 0x1p-22))),
-        allowance_(kExact ? 0 : Real{inFloat(search.allowance)}) {
+        allowance_(kExact ? 0 : Real{inFloat(search.allowance)}),
+        candidates_(room) {
     look();
   }
 
@@ -83,7 +86,7 @@ class NearestSoFar {
     if constexpr (kExact) squared_reach_ = candidates_.squareOfNotFarther(tip_.boxRounding());
     promised_ = true;
     promised_leaf_ = candidates_.nearestLeaf();
-    if (search_.fetches) __builtin_prefetch(search_.leaf_corners + promised_leaf_);
+    fetchPromised();
   }
 
   void measure(std::uint32_t leaf) {
@@ -134,6 +137,14 @@ class NearestSoFar {
     return Lanes<Real>::all(1) <= Lanes<Real>::load(is_chosen);
   }
 
+  /// Brings closer what is read when it is measured: of many triangles what names its vertices, as
+  /// that is not there yet; else these.
+  void fetchPromised() const {
+    const Corners& corners = search_.leaf_corners[promised_leaf_];
+    if (search_.fetches) return __builtin_prefetch(&corners);
+    for (const VertexId vertex : corners) __builtin_prefetch(search_.positions + 3 * index(vertex));
+  }
+
   void makeRoom() {
     decide();
     candidates_.dropBeyond(reachOfCandidates());
@@ -145,6 +156,9 @@ class NearestSoFar {
   void measureCandidates() {
     if (candidates_.packetCount() == 0) return;
     decide();
+    if constexpr (kExact) {  // most often it is alone
+      if (promised_ && candidates_.takeOnlyWithin(reach_)) return measure(promised_leaf_);
+    }
     typename Candidates<Real, kExact>::Leaves leaves;
     const std::uint32_t count = candidates_.takeWithin(reachOfCandidates(), leaves);
     std::uint32_t first = search_.best_leaf;

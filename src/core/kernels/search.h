@@ -62,13 +62,14 @@ struct Search {
   const NodeSplits* splits;  ///< of the nodes
   const TrianglePacket* packets;
   const Corners* leaf_corners;  ///< of their triangles, by leaf
+  const double* positions;      ///< of their vertices, three numbers each, as the mesh has them
   bool fetches;  ///< they are so many that it is worth while to fetch early what will be read
   std::array<std::array<double, 3>, 3> corners;  ///< of the tip: the first; the first two; all
   std::uint32_t corner_count = 0;
   double farthest = 0.0;      ///< of the corners' coordinates, the largest magnitude
   std::uint32_t leaves_left;  ///< that may be looked at
   bool sparing;  ///< leaves are few: of a packet only those are looked at whose own boxes matter
-  FrontierRoom room;
+  const FrontierRoom* room;
   bool dives = true;        ///< to find something near first, as nothing is known that is
   bool is_exact;            ///< `share` is 1, `allowance` 0, and leaves are not counted
   double share, allowance;  ///< what is farther than best * share or best - allowance is left out

@@ -28,14 +28,25 @@ enum class Aim : std::uint8_t {
 template <class Real, std::uint32_t kCorners, Aim kAim>
 class Walk {
  public:
-  explicit Walk(Search& search) : search_(search), nearest_(search) {
+  static void run(Search& search) {
+    typename Nearest::Room room;
+    Walk(search, room).run();
+  }
+
+ private:
+  static constexpr bool kExact = kAim != Aim::kAllowed;
+  static constexpr std::uint32_t kRoot = 0;
+  using Nearest = NearestSoFar<Real, kCorners, kExact>;
+  using SeenBoxes = typename WalkingTip<Real, kCorners>::SeenBoxes;
+
+  Walk(Search& search, typename Nearest::Room& room) : search_(search), nearest_(search, room) {
     if constexpr (kAim == Aim::kFront) keeper_.start(*search.front);
   }
 
   void run() {
-    Frontier frontier(search_.room);
+    Frontier frontier(*search_.room);
     if (search_.dives) {
-      for (const PassedNode* passed = dive(); passed-- != search_.room.passed;) {
+      for (const PassedNode* passed = dive(); passed-- != search_.room->passed;) {
         openBeside(*passed, frontier);
         if (nearest_.isSparing()) lookAll(frontier);  // few leaves are for what is beside the first
       }
@@ -46,11 +57,6 @@ class Walk {
     if (!nearest_.isExact()) leaveOutBoxes();
     nearest_.finish();
   }
-
- private:
-  using SeenBoxes = typename WalkingTip<Real, kCorners>::SeenBoxes;
-  static constexpr std::uint32_t kRoot = 0;
-  static constexpr bool kExact = kAim != Aim::kAllowed;
 
   /// Sets with bounds of these squares are not opened.
   void leaveOut(const Lanes<Real>& squares) {
@@ -68,7 +74,7 @@ class Walk {
   /// is to do. Returns the end of what was passed by.
   const PassedNode* dive() {
     const Vector<float> middle = nearest_.tip().middle();
-    PassedNode* passed = search_.room.passed;
+    PassedNode* passed = search_.room->passed;
     std::uint32_t set = kRoot;
     while ((set & kPacketBit) == 0) {
       std::uint32_t next = setTowards(middle, search_.splits[set]);  // first: the rest waits for it
@@ -191,7 +197,7 @@ class Walk {
   }
 
   Search& search_;
-  NearestSoFar<Real, kCorners, kExact> nearest_;
+  Nearest nearest_;
   Lanes<Real> boxes_left_out_ = infinite<Real>();  // the nearest of those, squared
   FrontKeeper<kCorners> keeper_;
 };
@@ -199,14 +205,14 @@ class Walk {
 /// What is asked most is compiled in one piece, as calls pass vectors through memory.
 template <std::uint32_t kCorners, Aim kAim>
 [[gnu::flatten]] inline void walkInOnePiece(Search& search) {
-  Walk<float, kCorners, kAim>(search).run();
+  Walk<float, kCorners, kAim>::run(search);
 }
 
 /// REQUIRES: a search that keeps a front is exact, and its tip is near.
 template <std::uint32_t kCorners>
 inline void walkFrom(Search& search) {
-  if (!(search.farthest < kFar)) return Walk<double, kCorners, Aim::kAllowed>(search).run();
-  if (search.front != nullptr) return Walk<float, kCorners, Aim::kFront>(search).run();
+  if (!(search.farthest < kFar)) return Walk<double, kCorners, Aim::kAllowed>::run(search);
+  if (search.front != nullptr) return Walk<float, kCorners, Aim::kFront>::run(search);
   if (search.is_exact) return walkInOnePiece<kCorners, Aim::kExact>(search);
   walkInOnePiece<kCorners, Aim::kAllowed>(search);
 }
