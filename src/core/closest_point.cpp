@@ -86,8 +86,8 @@ Candidate atCorner(const Corner& corner) {
   return at_corner;
 }
 
-/// Steps to a point that is nearer than the best so far; false if it is not. What is said of the
-/// point besides is left to be told.
+/// Steps to a point that is nearer than the best so far; false if it is not. Its weights and its
+/// feature are the caller's to tell.
 bool improve(Candidate& best, const Corner& base, const Vector3d& step) {
   const double squared_distance = squaredLength(base.offset + step);
   if (!(squared_distance < best.squared_distance)) return false;

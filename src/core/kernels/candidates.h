@@ -7,6 +7,22 @@
 namespace organ_collision::core {
 namespace {
 
+/// A whole number in each lane, as wide as a Real, that is only kept.
+template <class Real>
+struct LaneLabels {
+  using Labels = typename Part<Real>::Truths;
+  Labels part[Truth<Real>::kParts];
+
+  void put(const Truth<Real>& lanes, std::uint32_t label) {
+    for (int i = 0; i < Truth<Real>::kParts; ++i)
+      part[i] = lanes.part[i] ? Labels{} + static_cast<std::int32_t>(label) : part[i];
+  }
+  std::uint32_t operator[](std::uint32_t lane) const {
+    constexpr int kPartLanes = Lanes<Real>::kPartLanes;
+    return static_cast<std::uint32_t>(part[lane / kPartLanes][lane % kPartLanes]);
+  }
+};
+
 /// Of the packets looked at, the triangles that may be nearest. What is nearest of all is decided
 /// once for many packets, as each decision waits for all that leads to it. `kExact`: how near the
 /// others are at least is not asked.
@@ -66,9 +82,8 @@ class Candidates {
     return first_leaves[lane] + lane;
   }
 
-  /// Whether no more than one is not farther: then all are dropped, and none has to be listed. Only
-  /// of an exact search; false also where another was, that was dropped as it is farther than a
-  /// larger reach.
+  /// Drops all and is true if at most one is not farther, which then needs no list. May be false
+  /// one alone is, where dropBeyond() has left others out. Of exact searches only.
   bool takeOnlyWithin(Real reach) {
     static_assert(kExact);
     const Lanes<Real> limit = Lanes<Real>::all(squareOf(reach + rounding_));

@@ -149,22 +149,6 @@ struct Lanes {
   Real operator[](std::uint32_t lane) const { return part[lane / kPartLanes][lane % kPartLanes]; }
 };
 
-/// A whole number in each lane, as wide as a Real, that is only kept.
-template <class Real>
-struct LaneLabels {
-  using Labels = typename Part<Real>::Truths;
-  Labels part[Truth<Real>::kParts];
-
-  void put(const Truth<Real>& lanes, std::uint32_t label) {
-    for (int i = 0; i < Truth<Real>::kParts; ++i)
-      part[i] = lanes.part[i] ? Labels{} + static_cast<std::int32_t>(label) : part[i];
-  }
-  std::uint32_t operator[](std::uint32_t lane) const {
-    constexpr int kPartLanes = Lanes<Real>::kPartLanes;
-    return static_cast<std::uint32_t>(part[lane / kPartLanes][lane % kPartLanes]);
-  }
-};
-
 template <class Real, class Operation>
 inline Lanes<Real> lanewise(const Lanes<Real>& a, const Lanes<Real>& b,
                             const Operation& operation) {
