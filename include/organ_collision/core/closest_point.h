@@ -39,7 +39,8 @@ struct ClosestPoint {
 /// within the box of the corners relative to the query, rounded: no box bound on a set of
 /// triangles, computed in the same arithmetic, can exceed the distance returned here.
 ///
-/// Cost: some 25 ns, half of that where a corner is nearest (benchmark/triangle_benchmark).
+/// Cost: some 25 ns where a point inside is nearest, half as much at a corner, nearly twice as much
+/// on an edge (benchmark/triangle_benchmark).
 /// Source: three clamped segments and a face candidate; W. Kahan, "Mathematics written in sand"
 /// (1983), for the difference of products.
 ClosestPoint closestPointOnTriangle(const Eigen::Vector3d& query, const Eigen::Vector3d& a,
