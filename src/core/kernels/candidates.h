@@ -109,9 +109,9 @@ class Candidates {
   std::uint32_t takeWithin(Real reach, Leaves& leaves) {
     std::uint32_t taken = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
-      const std::uint32_t chosen = kChosenLanes[within(reach, packets_[i].squares).bits()];
-      writeNumbers(chosen, packets_[i].first_leaf, leaves + taken);
-      taken += chosen >> 24U;
+      const std::uint32_t lanes = within(reach, packets_[i].squares).bits();
+      writeNumbers(kChosenLanes[lanes], packets_[i].first_leaf, leaves + taken);
+      taken += countOf(lanes);
     }
     restart(0);
     return taken;

@@ -48,6 +48,15 @@ constexpr std::array<std::uint32_t, 256> chosenLanes() {
 }
 alignas(64) constexpr std::array<std::uint32_t, 256> kChosenLanes = chosenLanes();
 
+/// How many lanes some bits choose. What is done next waits for it.
+inline std::uint32_t countOf(std::uint32_t lanes) {
+#if defined(__POPCNT__)
+  return static_cast<std::uint32_t>(__builtin_popcount(lanes));
+#else
+  return kChosenLanes[lanes] >> 24U;
+#endif
+}
+
 /// Writes `first` plus each chosen lane's number, and room for as many as there are lanes.
 inline void writeNumbers(std::uint32_t chosen, std::uint32_t first, std::uint32_t* numbers) {
   using Unsigned __attribute__((vector_size(sizeof(LaneInts)))) = std::uint32_t;
@@ -83,11 +92,11 @@ class Frontier {
     const std::uint32_t of_nodes = (1U << node.node_count) - 1;
     const std::uint32_t nodes = kChosenLanes[lanes & of_nodes];
     writeNumbers(nodes, node.first_node, room_.nodes + node_count_);
-    node_count_ += nodes >> 24U;
+    node_count_ += countOf(lanes & of_nodes);
     const std::uint32_t packets = kChosenLanes[lanes & ~of_nodes];
     writeNumbers(packets, node.first_packet - node.node_count, room_.packets + packet_count_);
     permuted(squares, packets).store(room_.squares + packet_count_);
-    packet_count_ += packets >> 24U;
+    packet_count_ += countOf(lanes & ~of_nodes);
   }
 
   std::uint32_t nodeCount() const { return node_count_; }
