@@ -83,7 +83,7 @@ class Candidates {
   }
 
   /// Drops all and is true if at most one is not farther, which then needs no list. May be false
-  /// one alone is, where dropBeyond() has left others out. Of exact searches only.
+  /// though that is so, where dropBeyond() has left others out. Of exact searches only.
   bool takeOnlyWithin(Real reach) {
     static_assert(kExact);
     const Lanes<Real> limit = Lanes<Real>::all(squareOf(reach + rounding_));
