@@ -110,8 +110,7 @@ class Candidates {
     std::uint32_t taken = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
       const std::uint32_t lanes = within(reach, packets_[i].squares).bits();
-      writeNumbers(kChosenLanes[lanes], packets_[i].first_leaf, leaves + taken);
-      taken += countOf(lanes);
+      taken += writeNumbers(lanes, packets_[i].first_leaf, leaves + taken);
     }
     restart(0);
     return taken;

@@ -48,7 +48,8 @@ constexpr std::array<std::uint32_t, 256> chosenLanes() {
 }
 alignas(64) constexpr std::array<std::uint32_t, 256> kChosenLanes = chosenLanes();
 
-/// How many lanes some bits choose. What is done next waits for it.
+/// How many lanes some bits choose. Where bits can be counted, nothing has to be looked up, for
+/// which all that comes next would wait.
 inline std::uint32_t countOf(std::uint32_t lanes) {
 #if defined(__POPCNT__)
   return static_cast<std::uint32_t>(__builtin_popcount(lanes));
@@ -57,12 +58,16 @@ inline std::uint32_t countOf(std::uint32_t lanes) {
 #endif
 }
 
-/// Writes `first` plus each chosen lane's number, and room for as many as there are lanes.
-inline void writeNumbers(std::uint32_t chosen, std::uint32_t first, std::uint32_t* numbers) {
+/// Writes `first` plus the number of each lane that some bits choose, and returns how many those
+/// are; writes to room for as many as there are lanes.
+inline std::uint32_t writeNumbers(std::uint32_t lanes, std::uint32_t first,
+                                  std::uint32_t* numbers) {
   using Unsigned __attribute__((vector_size(sizeof(LaneInts)))) = std::uint32_t;
-  const Unsigned lanes = (Unsigned{} + chosen) >> Unsigned{0, 3, 6, 9, 12, 15, 18, 21};
-  const Unsigned written = (lanes & static_cast<std::uint32_t>(kLaneBits)) + first;
+  const Unsigned chosen =
+      (Unsigned{} + kChosenLanes[lanes]) >> Unsigned{0, 3, 6, 9, 12, 15, 18, 21};
+  const Unsigned written = (chosen & static_cast<std::uint32_t>(kLaneBits)) + first;
   __builtin_memcpy(numbers, &written, sizeof(written));
+  return countOf(lanes);
 }
 
 /// The set in a lane of a node, without a branch on whether it is a packet.
@@ -90,13 +95,11 @@ class Frontier {
   [[gnu::always_inline]] void add(const WideNode& node, std::uint32_t lanes,
                                   const Lanes<float>& squares) {
     const std::uint32_t of_nodes = (1U << node.node_count) - 1;
-    const std::uint32_t nodes = kChosenLanes[lanes & of_nodes];
-    writeNumbers(nodes, node.first_node, room_.nodes + node_count_);
-    node_count_ += countOf(lanes & of_nodes);
-    const std::uint32_t packets = kChosenLanes[lanes & ~of_nodes];
-    writeNumbers(packets, node.first_packet - node.node_count, room_.packets + packet_count_);
-    permuted(squares, packets).store(room_.squares + packet_count_);
-    packet_count_ += countOf(lanes & ~of_nodes);
+    node_count_ += writeNumbers(lanes & of_nodes, node.first_node, room_.nodes + node_count_);
+    const std::uint32_t packets = lanes & ~of_nodes;
+    permuted(squares, kChosenLanes[packets]).store(room_.squares + packet_count_);
+    packet_count_ +=
+        writeNumbers(packets, node.first_packet - node.node_count, room_.packets + packet_count_);
   }
 
   std::uint32_t nodeCount() const { return node_count_; }
