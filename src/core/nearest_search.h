@@ -89,33 +89,8 @@ template <class Tip>
 class NearestSearch : protected Search {
  public:
   NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign)
-      : organ_(organ), tip_(tip), scale_(organ.wideTree().frame().scale) {
-    const WideTree& tree = organ.wideTree();
-    nodes = tree.nodes().data();
-    splits = tree.guide().nodes.data();
-    packets = tree.packets().data();
-    leaf_corners = tree.corners().data();
-    positions = organ.mesh().positions().front().data();
-    fetches = tree.packets().size() > kUncachedPackets;
-    for (std::size_t i = 0; i < Tip::kCorners; ++i) {
-      if (i > 0 && tip.corner(i) == tip.corner(i - 1)) continue;  // a segment or a point
-      const Eigen::Vector3d unit = tree.frame()(tip.corner(i));
-      corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
-      farthest = std::max(farthest, largestCoordinate(unit));
-    }
-    sparing = accuracy.max_leaves != 0;
-    leaves_left =
-        accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
-    Search::measure = sign == Sign::kProven ? measureIn<Sign::kProven> : measureIn<Sign::kNone>;
-    Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
-      return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
-    };
-    share = 1.0 / (1.0 + accuracy.max_relative_error);
-    allowance = accuracy.max_absolute_error * scale_;
-    is_exact = share == 1.0 && allowance == 0.0 && !sparing;
-    best = unopened = std::numeric_limits<double>::infinity();
-    best_leaf = kNoLeaf;
-    best_vertex = kNoVertex;
+      : NearestSearch(organ, tip, sign) {
+    prepare(accuracy);
   }
 
   NearestTriangle run() {
@@ -148,6 +123,41 @@ class NearestSearch : protected Search {
   }
 
  protected:
+  /// Only to measure triangles; all else needs prepare().
+  NearestSearch(const CollisionMesh& organ, const Tip& tip, Sign sign)
+      : organ_(organ), tip_(tip), scale_(organ.wideTree().frame().scale) {
+    leaf_corners = organ.wideTree().corners().data();
+    Search::measure = sign == Sign::kProven ? measureIn<Sign::kProven> : measureIn<Sign::kNone>;
+    best = std::numeric_limits<double>::infinity();
+    best_leaf = kNoLeaf;
+    best_vertex = kNoVertex;
+  }
+
+  void prepare(const Accuracy& accuracy) {
+    const WideTree& tree = organ_.wideTree();
+    nodes = tree.nodes().data();
+    splits = tree.guide().nodes.data();
+    packets = tree.packets().data();
+    positions = organ_.mesh().positions().front().data();
+    fetches = tree.packets().size() > kUncachedPackets;
+    for (std::size_t i = 0; i < Tip::kCorners; ++i) {
+      if (i > 0 && tip_.corner(i) == tip_.corner(i - 1)) continue;  // a segment or a point
+      const Eigen::Vector3d unit = tree.frame()(tip_.corner(i));
+      corners[corner_count++] = {unit.x(), unit.y(), unit.z()};
+      farthest = std::max(farthest, largestCoordinate(unit));
+    }
+    sparing = accuracy.max_leaves != 0;
+    leaves_left =
+        accuracy.max_leaves == 0 ? std::numeric_limits<std::uint32_t>::max() : accuracy.max_leaves;
+    Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
+      return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
+    };
+    share = 1.0 / (1.0 + accuracy.max_relative_error);
+    allowance = accuracy.max_absolute_error * scale_;
+    is_exact = share == 1.0 && allowance == 0.0 && !sparing;
+    unopened = std::numeric_limits<double>::infinity();
+  }
+
   void walk() {
     room = &roomFor(organ_.wideTree());
     kernels().walk(*this);

@@ -60,13 +60,19 @@ namespace {
 template <class Tip, class Memory>
 class TrackedSearch : private NearestSearch<Tip> {
  public:
+  /// What was nearest is measured before all else: for how far that is the rest waits longest.
   TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
                 Memory& memory)
-      : NearestSearch<Tip>(organ, tip, Accuracy::exact(), sign),
+      : NearestSearch<Tip>(organ, tip, sign),
         sign_(sign),
         state_(organ, travel),
         memory_(memory),
-        step_(step()) {}
+        mesh_step_(state_.since(memory.organ)) {
+    const FarthestPairTree::Leaf last = memory.front.nearest;
+    if (mesh_step_ && last != kNoLeaf) this->measure(last);
+    NearestSearch<Tip>::prepare(Accuracy::exact());
+    step_ = step();
+  }
 
   /// In two functions that return one variable each: an answer is large, and would be copied.
   NearestTriangle run() { return this->farthest < kFar ? runNear() : runFar(); }
@@ -113,13 +119,12 @@ class TrackedSearch : private NearestSearch<Tip> {
   /// Nothing if that is not known.
   std::optional<Step> step() const {
     constexpr double kRounding = 1 + 8 * 0x1p-53;
-    const std::optional<double> travel = state_.since(memory_.organ);
-    if (!travel || memory_.corner_count != Tip::kCorners) return std::nullopt;
+    if (!mesh_step_ || memory_.corner_count != Tip::kCorners) return std::nullopt;
     double tip_step = 0.0;
     for (std::size_t i = 0; i < Tip::kCorners; ++i)
       tip_step = std::max(tip_step, (this->tip_.corner(i) - memory_.corners[i]).norm());
-    return Step{*travel * kRounding * this->scale_,
-                (tip_step + *travel) * kRounding * this->scale_};
+    return Step{*mesh_step_ * kRounding * this->scale_,
+                (tip_step + *mesh_step_) * kRounding * this->scale_};
   }
 
   bool follows() const {
@@ -158,11 +163,8 @@ class TrackedSearch : private NearestSearch<Tip> {
 
   /// Of a tip that is near where it was, most is farther than what was nearest.
   void startFromLast() {
-    const FarthestPairTree::Leaf last = memory_.front.nearest;
     const double jump = kJump / std::sqrt(static_cast<double>(this->organ_.mesh().triangleCount()));
-    if (last == kNoLeaf || !step_ || !(step_->of_both <= jump)) return;
-    if (this->best_leaf == kNoLeaf) this->measure(last);
-    this->dives = false;
+    this->dives = this->best_leaf == kNoLeaf || !step_ || !(step_->of_both <= jump);
   }
 
   void walk() {
@@ -204,7 +206,8 @@ class TrackedSearch : private NearestSearch<Tip> {
   const Sign sign_;
   const MeshState state_;
   Memory& memory_;
-  const std::optional<Step> step_;
+  const std::optional<double> mesh_step_;  // [m] nothing: other splits, or it is not known
+  std::optional<Step> step_;
 };
 
 }  // namespace

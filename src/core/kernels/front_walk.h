@@ -29,7 +29,6 @@ class FrontWalk {
   }
 
   bool run() {
-    nearest_.measure(front_.nearest);
     if (search_.best_vertex != kNoVertex) {
       if (search_.best_vertex != front_.tied_vertex) forgetTies();
       approach_ = static_cast<float>(front_.approach * (1 + kApproachRounding));
@@ -147,7 +146,8 @@ class FrontWalk {
 /// In one piece, like walkInOnePiece().
 [[gnu::flatten]] inline bool followPoint(Search& search) { return FrontWalk<1>::run(search); }
 
-/// REQUIRES: the search is exact, and its tip is near; there is a front.
+/// REQUIRES: the search is exact, and its tip is near; there is a front, of which the nearest is
+/// measured.
 inline bool follow(Search& search) {
   switch (search.corner_count) {
     case 1:
