@@ -24,8 +24,7 @@ constexpr double kPerhapsFlat = 0x1p-98;
 /// A corner of the triangle, as the query sees it.
 struct Corner {
   const Vector3d& position;  ///< [m]
-  Vector3d offset;           ///< [m] from the query
-  double squared_distance;   ///< [m^2]
+  double squared_distance;   ///< [m^2] from the query
   int slot;                  ///< 0, 1, 2: it is a, b, c
 };
 
@@ -53,7 +52,7 @@ Corners3 cornersSeenFrom(const Vector3d& query, const Vector3d& a, const Vector3
                          const Vector3d& c) {
   const auto corner = [&query](const Vector3d& position, int slot) {
     const Vector3d offset = position - query;
-    return Corner{position, offset, squaredLength(offset), slot};
+    return Corner{position, squaredLength(offset), slot};
   };
   return {corner(a, 0), corner(b, 1), corner(c, 2)};
 }
@@ -66,30 +65,40 @@ std::size_t nearestOf(const Corners3& corners) {
 /// The triangle as its nearest corner sees it: from there the way is the shortest, and so most
 /// accurate.
 struct View {
-  View(const Corner& nearest, const Corner& next, const Corner& last)
-      : base(nearest),
+  View(const Vector3d& point, const Corner& nearest, const Corner& next, const Corner& last)
+      : query(point),
+        base(nearest),
         left(next),
         right(last),
+        offset(base.position - query),
         to_left(left.position - base.position),
         to_right(right.position - base.position) {}
 
+  const Vector3d& query;
   const Corner& base;
   const Corner& left;
   const Corner& right;
+  Vector3d offset;             ///< [m] from the query to base
   Vector3d to_left, to_right;  ///< [m]
 };
 
+/// The weights at a corner. Others are sums of these: written one by one, they would be loaded as
+/// vectors soon after, and a load that is wider than what was stored waits for it.
+Eigen::Map<const Vector3d> unit(const Corner& corner) {
+  static constexpr std::array<std::array<double, 3>, 3> kUnits = {
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  return Eigen::Map<const Vector3d>(kUnits[static_cast<std::size_t>(corner.slot)].data());
+}
+
 Candidate atCorner(const Corner& corner) {
-  Candidate at_corner = {&corner, Vector3d::Zero(), corner.squared_distance, Vector3d::Zero(),
-                         static_cast<Feature>(corner.slot)};
-  at_corner.barycentric[corner.slot] = 1;
-  return at_corner;
+  return {&corner, Vector3d::Zero(), corner.squared_distance, unit(corner),
+          static_cast<Feature>(corner.slot)};
 }
 
 /// Steps to a point that is nearer than the best so far; false if it is not. Its weights and its
-/// feature are the caller's to tell.
-bool improve(Candidate& best, const Corner& base, const Vector3d& step) {
-  const double squared_distance = squaredLength(base.offset + step);
+/// feature are the caller's to tell. `offset` [m] is that of the base from the query.
+bool improve(Candidate& best, const Corner& base, const Vector3d& offset, const Vector3d& step) {
+  const double squared_distance = squaredLength(offset + step);
   if (!(squared_distance < best.squared_distance)) return false;
   best.base = &base;
   best.step = step;
@@ -106,15 +115,15 @@ Feature featureOf(const Vector3d& barycentric) {
 }
 
 /// The point nearest to the query between the corners, unless it is `nearer` itself.
-void considerEdge(const Corner& nearer, const Corner& farther, Candidate& best) {
+void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& farther,
+                  Candidate& best) {
+  const Vector3d offset = nearer.position - query;
   const Vector3d edge = farther.position - nearer.position;
-  const double along = -nearer.offset.dot(edge);
+  const double along = -offset.dot(edge);
   if (!(along > 0)) return;
   const double t = along / squaredLength(edge);
-  if (!(t < 1) || !improve(best, nearer, t * edge)) return;
-  best.barycentric.setZero();
-  best.barycentric[nearer.slot] = 1 - t;
-  best.barycentric[farther.slot] = t;
+  if (!(t < 1) || !improve(best, nearer, offset, t * edge)) return;
+  best.barycentric = (1 - t) * unit(nearer) + t * unit(farther);
   best.feature = featureOf(best.barycentric);
 }
 
@@ -146,33 +155,44 @@ Products inSafeUnit(const View& view) {
   const double largest =
       std::max(largestCoordinate(view.to_left), largestCoordinate(view.to_right));
   const double factor = largest > 0 ? normalisingFactor(largest) : 1;
-  return {factor * view.base.offset, factor * view.to_left, factor * view.to_right};
+  return {factor * view.offset, factor * view.to_left, factor * view.to_right};
 }
 
-/// Steps to the point with these weights of left and right; false if it is not inside the face.
-/// Not called, as most that is measured passes here.
-[[gnu::always_inline]] inline bool stepInside(const View& view, const Vector2d& weights,
-                                              Candidate& best) {
-  const double s = weights.x();
-  const double t = weights.y();
+/// A point inside the face, reached from the nearest corner.
+struct Inside {
+  double base, left, right;  ///< weights
+  Vector3d step;             ///< [m]
+  double squared_distance;   ///< [m^2]
+
+  Vector3d barycentric(const View& view) const {
+    return base * unit(view.base) + left * unit(view.left) + right * unit(view.right);
+  }
+};
+
+/// The point with these weights of left and right; false if it is not inside the face, or no nearer
+/// than the best so far. Not called, as most that is measured passes here.
+[[gnu::always_inline]] inline bool stepInside(const View& view, double s, double t, double best,
+                                              Inside& inside) {
   const double rest = 1 - (s + t);
   if (!(s > 0 && t > 0 && rest > 0)) return false;
-  if (!improve(best, view.base, s * view.to_left + t * view.to_right)) return false;
-  best.barycentric[view.base.slot] = rest;
-  best.barycentric[view.left.slot] = s;
-  best.barycentric[view.right.slot] = t;
-  best.feature = Feature::kFace;
-  return true;
+  const Vector3d step = s * view.to_left + t * view.to_right;
+  inside = {rest, s, t, step, squaredLength(view.offset + step)};
+  return inside.squared_distance < best;
 }
 
 void considerFace(const View& view, Candidate& best) {
-  const auto& [base, left, right, to_left, to_right] = view;
+  const auto& [query, base, left, right, offset, to_left, to_right] = view;
   if (base.position == left.position || left.position == right.position) return;
-  const std::optional<Vector2d> weights = accuratePlaneCoordinates(-base.offset, to_left, to_right);
+  const std::optional<Vector2d> weights = accuratePlaneCoordinates(-offset, to_left, to_right);
   if (!weights) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return;
-  stepInside(view, *weights, best);
+  Inside inside;
+  if (!stepInside(view, weights->x(), weights->y(), best.squared_distance, inside)) return;
+  best.base = &base;
+  best.step = inside.step;
+  best.barycentric = inside.barycentric(view);
+  best.feature = Feature::kFace;
 }
 
 /// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
@@ -186,7 +206,8 @@ enum class Plainly : std::uint8_t { kInside, kBeside, kUnclear };
 /// tell accurately enough what is below it, and steps there. Their rounding moves that, along the
 /// face, by less than 2^10*u of the way to the nearest corner; that changes the distance, which is
 /// 2^-20 of that way or more, by less than 2^-13*u of it.
-Plainly stepPlainly(const View& view, const Products& products, Candidate& best) {
+[[gnu::always_inline]] inline Plainly stepPlainly(const View& view, const Products& products,
+                                                  Inside& inside) {
   const auto& [left, right, both, along_left, along_right] = products;
   const double edges = left * right;
   const double squared_normal = edges - both * both;
@@ -194,27 +215,36 @@ Plainly stepPlainly(const View& view, const Products& products, Candidate& best)
     return Plainly::kUnclear;
   const double s = (both * along_right - right * along_left) / squared_normal;
   const double t = (both * along_left - left * along_right) / squared_normal;
-  const Vector3d offset = view.base.offset + (s * view.to_left + t * view.to_right);
+  const Vector3d offset = view.offset + (s * view.to_left + t * view.to_right);
   if (!(squaredLength(offset) > kNearlyNothing * view.base.squared_distance))
     return Plainly::kUnclear;
-  return stepInside(view, {s, t}, best) ? Plainly::kInside : Plainly::kBeside;
+  return stepInside(view, s, t, view.base.squared_distance, inside) ? Plainly::kInside
+                                                                    : Plainly::kBeside;
 }
 
 /// REQUIRES: of the corners of `view`, left is not farther than right.
 void considerEdges(const View& view, Candidate& best) {
-  considerEdge(view.base, view.left, best);
-  considerEdge(view.base, view.right, best);
-  considerEdge(view.left, view.right, best);
+  considerEdge(view.query, view.base, view.left, best);
+  considerEdge(view.query, view.base, view.right, best);
+  considerEdge(view.query, view.left, view.right, best);
 }
 
-/// Above a well-shaped face no edge is nearer; beside it nothing inside is.
-void considerBeyondBase(const View& view, const Products& products, Candidate& best) {
-  const Plainly plainly = stepPlainly(view, products.areSafe() ? products : inSafeUnit(view), best);
-  if (plainly == Plainly::kInside) return;
+/// What plain products have not found inside the face: beside a well-shaped one nothing is.
+void considerBeside(const View& view, Plainly plainly, Candidate& best) {
   const View ordered =
-      isNearer(view.left, view.right) ? view : View(view.base, view.right, view.left);
+      isNearer(view.left, view.right) ? view : View(view.query, view.base, view.right, view.left);
   considerEdges(ordered, best);
   if (plainly == Plainly::kUnclear) considerFace(ordered, best);
+}
+
+/// To where a step from a corner leads, which rounding may not carry out of the triangle's box;
+/// leaves out weights and feature. Not called, for the same reason.
+[[gnu::always_inline]] inline void goTo(const Vector3d& corner, const Vector3d& step,
+                                        const Vector3d& query, const Box& box,
+                                        ClosestPoint& closest) {
+  closest.offset = ((corner - query) + step).cwiseMax(box.low - query).cwiseMin(box.high - query);
+  closest.point = (corner + step).cwiseMax(box.low).cwiseMin(box.high);
+  closest.squared_distance = squaredLength(closest.offset);
 }
 
 }  // namespace
@@ -277,24 +307,28 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Vector3d& a, co
                                     const Vector3d& c) {
   const Corners3 corners = cornersSeenFrom(query, a, b, c);
   const std::size_t nearest = nearestOf(corners);
-  const View view(corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
+  const View view(query, corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
                   corners[nearest == 0 ? 2 : nearest - 1]);
   Candidate best = atCorner(view.base);
-  const Products products(view.base.offset, view.to_left, view.to_right);
+  const Products products(view.offset, view.to_left, view.to_right);
   if (products.along_left >= 0 && products.along_right >= 0 && products.areSafe()) {
-    return {view.base.position, view.base.offset, best.barycentric, best.feature,
+    return {view.base.position, view.offset, best.barycentric, best.feature,
             view.base.squared_distance};
   }
-  considerBeyondBase(view, products, best);
-
-  const Box box = boxOf(a, b, c);
+  Inside inside;
+  const Plainly plainly =
+      stepPlainly(view, products.areSafe() ? products : inSafeUnit(view), inside);
   ClosestPoint closest;
-  closest.offset =
-      (best.base->offset + best.step).cwiseMax(box.low - query).cwiseMin(box.high - query);
-  closest.point = (best.base->position + best.step).cwiseMax(box.low).cwiseMin(box.high);
+  if (plainly == Plainly::kInside) {
+    goTo(view.base.position, inside.step, query, boxOf(a, b, c), closest);
+    closest.barycentric = inside.barycentric(view);
+    closest.feature = Feature::kFace;
+    return closest;
+  }
+  considerBeside(view, plainly, best);
+  goTo(best.base->position, best.step, query, boxOf(a, b, c), closest);
   closest.barycentric = best.barycentric;
   closest.feature = best.feature;
-  closest.squared_distance = squaredLength(closest.offset);
   return closest;
 }
 
