@@ -238,7 +238,7 @@ void considerBeside(const View& view, Plainly plainly, Candidate& best) {
 }
 
 /// To where a step from a corner leads, which rounding may not carry out of the triangle's box;
-/// leaves out weights and feature. Not called, for the same reason.
+/// leaves out weights and feature. Not called, so that a step just found is not stored and loaded.
 [[gnu::always_inline]] inline void goTo(const Vector3d& corner, const Vector3d& step,
                                         const Vector3d& query, const Box& box,
                                         ClosestPoint& closest) {
