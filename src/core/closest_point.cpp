@@ -95,17 +95,6 @@ Candidate atCorner(const Corner& corner) {
           static_cast<Feature>(corner.slot)};
 }
 
-/// Steps to a point that is nearer than the best so far; false if it is not. Its weights and its
-/// feature are the caller's to tell. `offset` [m] is that of the base from the query.
-bool improve(Candidate& best, const Corner& base, const Vector3d& offset, const Vector3d& step) {
-  const double squared_distance = squaredLength(offset + step);
-  if (!(squared_distance < best.squared_distance)) return false;
-  best.base = &base;
-  best.step = step;
-  best.squared_distance = squared_distance;
-  return true;
-}
-
 Feature featureOf(const Vector3d& barycentric) {
   constexpr std::array<Feature, 8> kFeatures{Feature::kFace,   Feature::kVertexA, Feature::kVertexB,
                                              Feature::kEdgeAB, Feature::kVertexC, Feature::kEdgeCA,
@@ -122,9 +111,12 @@ void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& far
   const double along = -offset.dot(edge);
   if (!(along > 0)) return;
   const double t = along / squaredLength(edge);
-  if (!(t < 1) || !improve(best, nearer, offset, t * edge)) return;
-  best.barycentric = (1 - t) * unit(nearer) + t * unit(farther);
-  best.feature = featureOf(best.barycentric);
+  if (!(t < 1)) return;
+  const Vector3d step = t * edge;
+  const double squared_distance = squaredLength(offset + step);
+  if (!(squared_distance < best.squared_distance)) return;
+  const Vector3d weights = (1 - t) * unit(nearer) + t * unit(farther);
+  best = {&nearer, step, squared_distance, weights, featureOf(weights)};
 }
 
 /// False only where there is an area for sure.
@@ -189,10 +181,7 @@ void considerFace(const View& view, Candidate& best) {
     return;
   Inside inside;
   if (!stepInside(view, weights->x(), weights->y(), best.squared_distance, inside)) return;
-  best.base = &base;
-  best.step = inside.step;
-  best.barycentric = inside.barycentric(view);
-  best.feature = Feature::kFace;
+  best = {&base, inside.step, inside.squared_distance, inside.barycentric(view), Feature::kFace};
 }
 
 /// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
