@@ -29,7 +29,7 @@ inline Descent descentTo(const CollisionMesh& organ, const Eigen::Vector3d& tip)
   const double reach = 1.0 + largestCoordinate(unit_tip);
   const double offset_of_mesh = largestCoordinate(frame.centre) * frame.scale;
   const Eigen::Vector3f place = unit_tip.cast<float>();
-  static thread_local LastWay last_way = {};
+  [[gnu::tls_model("initial-exec")]] static thread_local LastWay last_way = {};
   return {guide.nodes.data(),
           organ.wideTree().packets().data(),
           guide.packets.data(),

@@ -152,9 +152,9 @@ class NearestSearch : protected Search {
     Search::roomOfTie = [](const Search& search, FarthestPairTree::Leaf leaf) {
       return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
     };
-    share = 1.0 / (1.0 + accuracy.max_relative_error);
-    allowance = accuracy.max_absolute_error * scale_;
-    is_exact = share == 1.0 && allowance == 0.0 && !sparing;
+    is_exact = accuracy.max_relative_error == 0.0 && accuracy.max_absolute_error == 0.0 && !sparing;
+    share = is_exact ? 1.0 : 1.0 / (1.0 + accuracy.max_relative_error);
+    allowance = is_exact ? 0.0 : accuracy.max_absolute_error * scale_;
     unopened = std::numeric_limits<double>::infinity();
   }
 

@@ -8,10 +8,9 @@
 namespace organ_collision::core {
 namespace {
 
-std::atomic<VectorUnit>& chosen() {
-  static std::atomic<VectorUnit> unit = availableVectorUnits().back();
-  return unit;
-}
+/// No guard is asked at each query, as of a variable in a function. Until it is set, while a
+/// program starts, it is the baseline: the answers are the same.
+std::atomic<VectorUnit> chosen{availableVectorUnits().back()};
 
 }  // namespace
 
@@ -26,7 +25,7 @@ std::vector<VectorUnit> availableVectorUnits() {
   return units;
 }
 
-VectorUnit vectorUnit() { return chosen().load(std::memory_order_relaxed); }
+VectorUnit vectorUnit() { return chosen.load(std::memory_order_relaxed); }
 
 void useVectorUnit(VectorUnit unit) {
   const std::vector<VectorUnit> units = availableVectorUnits();
@@ -34,7 +33,7 @@ void useVectorUnit(VectorUnit unit) {
     throw std::invalid_argument("this machine has no vector unit " +
                                 std::to_string(static_cast<int>(unit)));
   }
-  chosen().store(unit, std::memory_order_relaxed);
+  chosen.store(unit, std::memory_order_relaxed);
 }
 
 }  // namespace organ_collision::core
