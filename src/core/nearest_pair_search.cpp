@@ -161,8 +161,8 @@ void NearestPairSearch::measureToAndFro() {
 
 NearestTriangle NearestPairSearch::nearestTo(const CollisionMesh& surface,
                                              const Eigen::Vector3d& point) {
-  NearestTriangle nearest =
-      NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact(), Sign::kNone).run();
+  NearestTriangle nearest;
+  NearestSearch<PointTip>(surface, PointTip(point), Accuracy::exact(), Sign::kNone, nearest).run();
   bounds += nearest.work.bounds;
   triangles += nearest.work.triangles;
   return nearest;

@@ -52,21 +52,16 @@ class TriangleTip {
   Eigen::Vector3d centroid_;
 };
 
-/// The triangle of a leaf, with neither normal nor sign. All others are farther than `of_rest` [m],
-/// or as far.
-inline NearestTriangle unsignedAnswer(const CollisionMesh& organ, FarthestPairTree::Leaf leaf,
-                                      const ClosestPair& pair, double of_rest,
-                                      const SearchWork& work) {
-  const double distance = std::sqrt(pair.on_second.squared_distance);
-  return {organ.tree().triangle(leaf),
-          pair.on_second,
-          pair.point_on_first,
-          Eigen::Vector3d::Zero(),
-          distance,
-          std::min(distance, of_rest),
-          distance,
-          false,
-          work};
+/// Makes the nearest points, which are known, an answer with neither normal nor sign. All other
+/// triangles are farther than `of_rest` [m], or as far.
+inline void nameUnsigned(TriangleId triangle, double of_rest, const SearchWork& work,
+                         NearestTriangle& nearest) {
+  nearest.triangle = triangle;
+  nearest.normal.setZero();
+  nearest.distance = nearest.upper_bound = std::sqrt(nearest.closest.squared_distance);
+  nearest.lower_bound = std::min(nearest.distance, of_rest);
+  nearest.distance_signed = false;
+  nearest.work = work;
 }
 
 /// Adds what the surface around the nearest point tells: the normal, and the sign where it is
@@ -88,12 +83,13 @@ constexpr std::size_t kUncachedPackets = 1U << 12U;
 template <class Tip>
 class NearestSearch : protected Search {
  public:
-  NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign)
-      : NearestSearch(organ, tip, sign) {
+  NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign,
+                NearestTriangle& nearest)
+      : NearestSearch(organ, tip, sign, nearest) {
     prepare(accuracy);
   }
 
-  NearestTriangle run() {
+  void run() {
     if (sparing) {
       const GreedyPath greedy = greedySearch(organ_, tip_.routingPoint());
       measure(greedy.end);
@@ -106,14 +102,15 @@ class NearestSearch : protected Search {
     } else {
       measureAll();
     }
-    return answer();
+    answer();
   }
 
-  /// Adds normal and sign to the answer. REQUIRES: it is run()'s.
-  void addSignTo(NearestTriangle& nearest) const {
-    addSign(organ_, tip_.corner(0),
-            unlessContested(surfaceNormal(organ_, nearest.triangle, nearest.closest.feature)),
-            nearest);
+  /// Adds normal and sign to the answer. REQUIRES: run().
+  void addSign() const {
+    core::addSign(
+        organ_, tip_.corner(0),
+        unlessContested(surfaceNormal(organ_, nearest_.triangle, nearest_.closest.feature)),
+        nearest_);
   }
 
   /// The normal at the nearest point, not clear where another may be meant. REQUIRES: run().
@@ -124,8 +121,8 @@ class NearestSearch : protected Search {
 
  protected:
   /// Only to measure triangles; all else needs prepare().
-  NearestSearch(const CollisionMesh& organ, const Tip& tip, Sign sign)
-      : organ_(organ), tip_(tip), scale_(organ.wideTree().frame().scale) {
+  NearestSearch(const CollisionMesh& organ, const Tip& tip, Sign sign, NearestTriangle& nearest)
+      : organ_(organ), tip_(tip), nearest_(nearest), scale_(organ.wideTree().frame().scale) {
     leaf_corners = organ.wideTree().corners().data();
     Search::measure = sign == Sign::kProven ? measureIn<Sign::kProven> : measureIn<Sign::kNone>;
     best = std::numeric_limits<double>::infinity();
@@ -182,7 +179,8 @@ class NearestSearch : protected Search {
     }
     if (squared_distance > squared_best_ || (squared_distance == squared_best_ && leaf > best_leaf))
       return;
-    pair_ = candidate;
+    nearest_.closest = candidate.on_second;
+    nearest_.tip_point = candidate.point_on_first;
     best_vertex = nearestVertex(vertices);
     best_leaf = leaf;
     squared_best_ = squared_distance;
@@ -207,13 +205,13 @@ class NearestSearch : protected Search {
     } else if (leaf != best_leaf) {
       is_contested_ =
           is_contested_ || !isSameFeature(organ_.topology(), leaf_corners[leaf], closest.feature,
-                                          leaf_corners[best_leaf], pair_.on_second.feature);
+                                          leaf_corners[best_leaf], nearest_.closest.feature);
     }
   }
 
   /// That a point is nearest to, of the best triangle's.
   VertexId nearestVertex(const Corners& vertices) const {
-    const Feature feature = pair_.on_second.feature;
+    const Feature feature = nearest_.closest.feature;
     if (!std::is_same_v<Tip, PointTip> || feature > Feature::kVertexC) return kNoVertex;
     return vertices[static_cast<std::size_t>(feature)];
   }
@@ -236,7 +234,7 @@ class NearestSearch : protected Search {
   }
   bool nameIfTiedAtEdge(FarthestPairTree::Leaf leaf) {
     constexpr auto kFirst = static_cast<std::size_t>(Feature::kEdgeAB);
-    const std::size_t edge = static_cast<std::size_t>(pair_.on_second.feature) - kFirst;
+    const std::size_t edge = static_cast<std::size_t>(nearest_.closest.feature) - kFirst;
     if (edge > 2) return false;
     const auto after = [](std::size_t corner) { return corner == 2 ? 0 : corner + 1; };
     const VertexId start = leaf_corners[best_leaf][edge];
@@ -246,13 +244,13 @@ class NearestSearch : protected Search {
     const std::size_t at_end = cornerAt(end, vertices);
     if (vertices[at_start] != start || vertices[at_end] != end) return false;
     const TriangleMesh& mesh = organ_.mesh();
-    if (!isClosestOnEdge(tip_.corner(0), pair_.on_second, mesh.position(start), mesh.position(end),
+    if (!isClosestOnEdge(tip_.corner(0), nearest_.closest, mesh.position(start), mesh.position(end),
                          mesh.position(vertices[3 - at_start - at_end])))
       return false;
     if (leaf < best_leaf) {
       Eigen::Vector3d weights = Eigen::Vector3d::Zero();
-      weights[at_start] = pair_.on_second.barycentric[edge];
-      weights[at_end] = pair_.on_second.barycentric[after(edge)];
+      weights[at_start] = nearest_.closest.barycentric[edge];
+      weights[at_end] = nearest_.closest.barycentric[after(edge)];
       nameInstead(leaf,
                   static_cast<Feature>(kFirst + (after(at_start) == at_end ? at_start : at_end)),
                   weights);
@@ -262,8 +260,8 @@ class NearestSearch : protected Search {
   /// For the same point.
   void nameInstead(FarthestPairTree::Leaf leaf, Feature feature, const Eigen::Vector3d& weights) {
     best_leaf = leaf;
-    pair_.on_second.feature = feature;
-    pair_.on_second.barycentric = weights;
+    nearest_.closest.feature = feature;
+    nearest_.closest.barycentric = weights;
   }
   double roomOfTie(FarthestPairTree::Leaf leaf) const {
     if (leaf <= best_leaf) return -1.0;
@@ -279,9 +277,9 @@ class NearestSearch : protected Search {
     const std::size_t corner = cornerAt(best_vertex, vertices);
     if (best_vertex == kNoVertex || vertices[corner] != best_vertex) return otherwise;
     const auto edge_to = [&](std::size_t other) -> Eigen::Vector3d {
-      return organ_.mesh().position(vertices[other]) - pair_.on_second.point;
+      return organ_.mesh().position(vertices[other]) - nearest_.closest.point;
     };
-    return ask(pair_.on_second.offset, edge_to(corner == 2 ? 0 : corner + 1),
+    return ask(nearest_.closest.offset, edge_to(corner == 2 ? 0 : corner + 1),
                edge_to(corner == 0 ? 2 : corner - 1));
   }
   /// Of a triangle that has the vertex; c of others.
@@ -301,9 +299,9 @@ class NearestSearch : protected Search {
     }
   }
 
-  NearestTriangle answer() const {
+  void answer() {
     const double of_rest = unopened < best ? lowerBound() : std::numeric_limits<double>::infinity();
-    return unsignedAnswer(organ_, best_leaf, pair_, of_rest, {bounds, triangles});
+    nameUnsigned(organ_.tree().triangle(best_leaf), of_rest, {bounds, triangles}, nearest_);
   }
 
   /// [m] Of all triangles.
@@ -314,8 +312,8 @@ class NearestSearch : protected Search {
 
   const CollisionMesh& organ_;
   const Tip& tip_;
+  NearestTriangle& nearest_;  // its points are those of the best so far
   const double scale_;
-  ClosestPair pair_;
   double squared_best_ = std::numeric_limits<double>::infinity();
   double squared_tie_ = std::numeric_limits<double>::infinity();
   bool is_contested_ = false;  // another feature is as near, but for rounding

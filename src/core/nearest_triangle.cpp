@@ -21,8 +21,11 @@ template <class Tip>
 NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip, Sign sign) {
   const auto [leaf, splits] = greedySearch(organ, tip.routingPoint());
   const ClosestPair pair = tip.measure(organ.mesh(), organ.wideTree().corners()[leaf]);
+  NearestTriangle nearest;
+  nearest.closest = pair.on_second;
+  nearest.tip_point = pair.point_on_first;
   const double to_box = std::sqrt(tip.squaredDistanceTo(organ.health().box));
-  NearestTriangle nearest = unsignedAnswer(organ, leaf, pair, to_box, {splits, 1});
+  nameUnsigned(organ.tree().triangle(leaf), to_box, {splits, 1}, nearest);
   if (sign == Sign::kProven) addSign(organ, tip.corner(0), nearest);
   return nearest;
 }
@@ -30,9 +33,10 @@ NearestTriangle greedyTo(const CollisionMesh& organ, const Tip& tip, Sign sign) 
 template <class Tip>
 [[gnu::always_inline]] inline NearestTriangle searchFrom(const CollisionMesh& organ, const Tip& tip,
                                                          const Accuracy& accuracy, Sign sign) {
-  NearestSearch<Tip> search(organ, tip, accuracy, sign);
-  NearestTriangle nearest = search.run();
-  if (sign == Sign::kProven) search.addSignTo(nearest);
+  NearestTriangle nearest;
+  NearestSearch<Tip> search(organ, tip, accuracy, sign, nearest);
+  search.run();
+  if (sign == Sign::kProven) search.addSign();
   return nearest;
 }
 

@@ -62,8 +62,8 @@ class TrackedSearch : private NearestSearch<Tip> {
  public:
   /// What was nearest is measured before all else: for how far that is the rest waits longest.
   TrackedSearch(const CollisionMesh& organ, const Tip& tip, double travel, Sign sign,
-                Memory& memory)
-      : NearestSearch<Tip>(organ, tip, sign),
+                Memory& memory, NearestTriangle& nearest)
+      : NearestSearch<Tip>(organ, tip, sign, nearest),
         sign_(sign),
         state_(organ, travel),
         memory_(memory),
@@ -74,18 +74,14 @@ class TrackedSearch : private NearestSearch<Tip> {
     step_ = step();
   }
 
-  /// In two functions that return one variable each: an answer is large, and would be copied.
-  NearestTriangle run() { return this->farthest < kFar ? runNear() : runFar(); }
-
- private:
-  /// What was followed is as far away as it was.
-  NearestTriangle runFar() {
-    NearestTriangle nearest = NearestSearch<Tip>::run();
-    if (sign_ == Sign::kProven) this->addSignTo(nearest);
-    return nearest;
+  void run() {
+    if (this->farthest < kFar) return runNear();
+    NearestSearch<Tip>::run();  // what was followed is as far away as it was
+    if (sign_ == Sign::kProven) this->addSign();
   }
 
-  NearestTriangle runNear() {
+ private:
+  void runNear() {
     auto& patience = memory_.patience;
     const bool rests = patience.rests();
     const bool tries = !rests && follows();
@@ -96,13 +92,12 @@ class TrackedSearch : private NearestSearch<Tip> {
     } else {
       walk();
     }
-    NearestTriangle nearest = this->answer();
-    if (!isNormalKnown(nearest)) memory_.normal.reset();
+    this->answer();
+    if (!isNormalKnown()) memory_.normal.reset();
     remember();  // first: addSign() may throw
     if (sign_ == Sign::kProven)
-      addSign(this->organ_, this->tip_.corner(0), this->unlessContested(normalAt(nearest)),
-              nearest);
-    return nearest;
+      core::addSign(this->organ_, this->tip_.corner(0), this->unlessContested(normal()),
+                    this->nearest_);
   }
 
   /// Sets that may be opened before the front is worn: all that is kept is looked at each time.
@@ -181,18 +176,20 @@ class TrackedSearch : private NearestSearch<Tip> {
     NearestSearch<Tip>::walk();
   }
 
-  const SurfaceNormal& normalAt(const NearestTriangle& nearest) {
+  /// At the nearest point.
+  const SurfaceNormal& normal() {
     if (!memory_.normal) {
-      memory_.triangle = nearest.triangle;
-      memory_.feature = nearest.closest.feature;
+      memory_.triangle = this->nearest_.triangle;
+      memory_.feature = this->nearest_.closest.feature;
       memory_.normal = surfaceNormal(this->organ_, memory_.triangle, memory_.feature);
     }
     return *memory_.normal;
   }
 
-  bool isNormalKnown(const NearestTriangle& nearest) const {
+  bool isNormalKnown() const {
     return memory_.normal && state_.hasPositionsOf(memory_.organ) &&
-           memory_.triangle == nearest.triangle && memory_.feature == nearest.closest.feature;
+           memory_.triangle == this->nearest_.triangle &&
+           memory_.feature == this->nearest_.closest.feature;
   }
 
   void remember() {
@@ -220,13 +217,17 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
-  return TrackedSearch(organ, PointTip(tip), travel, sign, *memory_).run();
+  NearestTriangle nearest;
+  TrackedSearch(organ, PointTip(tip), travel, sign, *memory_, nearest).run();
+  return nearest;
 }
 
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
   requireUsable(tip);
-  return TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_).run();
+  NearestTriangle nearest;
+  TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_, nearest).run();
+  return nearest;
 }
 
 }  // namespace organ_collision::core
