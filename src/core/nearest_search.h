@@ -83,6 +83,7 @@ constexpr std::size_t kUncachedPackets = 1U << 12U;
 template <class Tip>
 class NearestSearch : protected Search {
  public:
+  /// `nearest` is written to all the while, and is the answer in the end.
   NearestSearch(const CollisionMesh& organ, const Tip& tip, const Accuracy& accuracy, Sign sign,
                 NearestTriangle& nearest)
       : NearestSearch(organ, tip, sign, nearest) {
