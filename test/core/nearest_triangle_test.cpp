@@ -8,6 +8,7 @@
 
 #include "brute_force.h"
 #include "every_vector_unit.h"
+#include "organ_collision/core/triangle_distance.h"
 #include "organs_and_tips.h"
 #include "paper_hierarchy.h"
 #include "test_meshes.h"
@@ -59,6 +60,7 @@ void expectSameAsBruteForce(const CollisionMesh& organ, const Eigen::Vector3d& t
   const ClosestPoint& closest = nearest.closest;
   const ClosestPoint measured =
       closestPointOnTriangle(tip, organ.mesh().triangle(nearest.triangle));
+  ASSERT_EQ(nearest.tip_point, tip);
   ASSERT_EQ(std::abs(nearest.distance), std::sqrt(measured.squared_distance));
   ASSERT_EQ(closest.squared_distance, measured.squared_distance);
   ASSERT_EQ(closest.point, measured.point);
@@ -96,6 +98,10 @@ TEST_P(NearestTriangleOf, TriangleTipsEqualsBruteForceBitForBit) {
       ASSERT_EQ(std::abs(nearest.distance),
                 std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
       ASSERT_TRUE(nearest.isExact());
+      const ClosestPair measured = closestPoints(tip, organ.mesh().triangle(nearest.triangle));
+      ASSERT_EQ(nearest.tip_point, measured.point_on_first);
+      ASSERT_EQ(nearest.closest.point, measured.on_second.point);
+      ASSERT_EQ(nearest.closest.offset, measured.on_second.offset);
     }
   }
 }
