@@ -108,16 +108,7 @@ class NearestSearch : protected Search {
 
   /// Adds normal and sign to the answer. REQUIRES: run().
   void addSign() const {
-    core::addSign(
-        organ_, tip_.corner(0),
-        unlessContested(surfaceNormal(organ_, nearest_.triangle, nearest_.closest.feature)),
-        nearest_);
-  }
-
-  /// The normal at the nearest point, not clear where another may be meant. REQUIRES: run().
-  SurfaceNormal unlessContested(SurfaceNormal normal) const {
-    normal.is_clear = normal.is_clear && !is_contested_;
-    return normal;
+    addSign(surfaceNormal(organ_, nearest_.triangle, nearest_.closest.feature));
   }
 
  protected:
@@ -159,6 +150,12 @@ class NearestSearch : protected Search {
   void walk() {
     room = &roomFor(organ_.wideTree());
     kernels().walk(*this);
+  }
+
+  /// Of the surface at the nearest point; not clear where another may be meant.
+  void addSign(SurfaceNormal normal) const {
+    normal.is_clear = normal.is_clear && !is_contested_;
+    core::addSign(organ_, tip_.corner(0), normal, nearest_);
   }
 
   void measure(FarthestPairTree::Leaf leaf) { Search::measure(*this, leaf); }

@@ -95,9 +95,7 @@ class TrackedSearch : private NearestSearch<Tip> {
     this->answer();
     if (!isNormalKnown()) memory_.normal.reset();
     remember();  // first: addSign() may throw
-    if (sign_ == Sign::kProven)
-      core::addSign(this->organ_, this->tip_.corner(0), this->unlessContested(normal()),
-                    this->nearest_);
+    if (sign_ == Sign::kProven) this->addSign(normal());
   }
 
   /// Sets that may be opened before the front is worn: all that is kept is looked at each time.
