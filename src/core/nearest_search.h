@@ -142,8 +142,8 @@ class NearestSearch : protected Search {
       return static_cast<const NearestSearch&>(search).roomOfTie(leaf);
     };
     is_exact = accuracy.max_relative_error == 0.0 && accuracy.max_absolute_error == 0.0 && !sparing;
-    share = is_exact ? 1.0 : 1.0 / (1.0 + accuracy.max_relative_error);
-    allowance = is_exact ? 0.0 : accuracy.max_absolute_error * scale_;
+    share = is_exact ? 1.0 : 1.0 / (1.0 + accuracy.max_relative_error);  // where it is, no division
+    allowance = accuracy.max_absolute_error * scale_;
     unopened = std::numeric_limits<double>::infinity();
   }
 
