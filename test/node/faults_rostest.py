@@ -84,8 +84,9 @@ class Master:
         return {(kind, name) for kind, entries in enumerate(kinds) for name, nodes in entries
                 if "/organ_collision" in nodes}
 
-    def is_up(self, service="/organ_collision/find_nearest_triangle"):
-        return (2, service) in self.registered()
+    def is_up(self):
+        """At its start the node registers this service last."""
+        return (2, "/organ_collision/get_mesh") in self.registered()
 
     def pid(self):
         """Of the node; 0 if it does not answer."""
