@@ -12,9 +12,11 @@
 //
 // Rounding, in the terms of bounds.h: extents along a direction are off by 3*u*(d + r),
 // besides the u*d and r*u of the corners themselves; their difference by u*(d + r), the length of
-// the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). All that is below
-// 16*u*d + 64*(u + v)*r; what is told is to be lessened by twice as much, which leaves room for the
-// 4*u*extent of the exact measurement, where the extent may be twice the reach of the tip.
+// the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). A segment is off by
+// 24*u*(d + 2*r) more where it is seen in frames of triangles, as a point is (packet_range.h). All
+// that is below 32*u*d + 128*(u + v)*r: what is told is to be lessened by twice what others give
+// away, which leaves room for the 4*u*extent of the exact measurement, where the extent may be
+// twice the reach of the tip.
 namespace organ_collision::core {
 namespace {
 
@@ -45,30 +47,20 @@ template <class Real>
 inline SeparatingAxes<Real> separatingAxes(const Vector<Real>& start, const Vector<Real>& end,
                                            const LaneVector<Real>& low,
                                            const LaneVector<Real>& high) {
-  constexpr int kRounds = 2;  // from one to the other and back: more find hardly anything nearer
   const Vector<Real> along = end - start;
   const Lanes<Real> inverse = Lanes<Real>::all(1 / dot(along, along));
   const LaneVector<Real> from = everywhere(start);
   const LaneVector<Real> step = everywhere(along);
+  const auto nearest_on_segment = [&](const LaneVector<Real>& point) {
+    return from + clampedTo1(dot(point - from, step) * inverse) * step;
+  };
   const Lanes<Real> half = Lanes<Real>::all(Real{0.5});
   const LaneVector<Real> middle = half * (low + high);
-  const LaneVector<Real> size = half * (high - low);
-  LaneVector<Real> in_box = middle;
-  LaneVector<Real> direction;
-  for (int round = 0; round < kRounds; ++round) {
-    const LaneVector<Real> on_segment =
-        from + clampedTo1(dot(in_box - from, step) * inverse) * step;
-    in_box = clamped(on_segment, low, high);
-    direction = on_segment - in_box;
-  }
-  // Where the nearest point is inside the segment, the shortest offset is perpendicular to it.
-  const LaneVector<Real> perpendicular = direction - dot(direction, step) * inverse * step;
-  const Lanes<Real> gap =
-      distanceOfGap(gapAlong(direction, from, step, middle, size), dot(direction, direction));
-  const Lanes<Real> perpendicular_gap = distanceOfGap(
-      gapAlong(perpendicular, from, step, middle, size), dot(perpendicular, perpendicular));
-  return {LaneVector<Real>{} - select(gap <= perpendicular_gap, perpendicular, direction),
-          larger(gap, perpendicular_gap)};
+  // From the middle to the segment, to the box and back: going on finds hardly anything nearer.
+  const LaneVector<Real> in_box = clamped(nearest_on_segment(middle), low, high);
+  const LaneVector<Real> direction = nearest_on_segment(in_box) - in_box;
+  const Lanes<Real> gap = gapAlong(direction, from, step, middle, half * (high - low));
+  return {LaneVector<Real>{} - direction, distanceOfGap(gap, dot(direction, direction))};
 }
 
 /// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the
@@ -165,18 +157,79 @@ struct Gap {
   LaneVector<Real> axis;
 };
 
-/// Of a tip of two or three corners, relative to the packet's origin.
-template <class Real, std::uint32_t kCorners>
-inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[kCorners], const TrianglePacket& packet) {
+/// The same of edges that start at x, y and go along a triangle's plane, in its frame.
+template <class Real>
+[[gnu::always_inline]] inline LaneVector<Real> toEdges(
+    const LaneVector<Real>& start, const LaneVector<Real>& step, Real squared_step,
+    const Lanes<Real>& start_x, const Lanes<Real>& start_y, const Lanes<Real>& edge_x,
+    const Lanes<Real>& edge_y) {
+  const Lanes<Real> x = start_x - start.x;
+  const Lanes<Real> y = start_y - start.y;
+  const Lanes<Real> squared_along = Lanes<Real>::all(squared_step);
+  const Lanes<Real> squared_edge = edge_x * edge_x + edge_y * edge_y;
+  const Lanes<Real> both = step.x * edge_x + step.y * edge_y;
+  const Lanes<Real> first = step.x * x + step.y * y - step.z * start.z;
+  const Lanes<Real> second = edge_x * x + edge_y * y;
+  const Lanes<Real> s = clampedTo1((first * squared_edge - second * both) /
+                                   (squared_along * squared_edge - both * both));
+  const Lanes<Real> t = clampedTo1((s * both - second) / squared_edge);
+  const Lanes<Real> nearest = clampedTo1((t * both + first) * Lanes<Real>::all(1 / squared_step));
+  return {x + t * edge_x - nearest * step.x, y + t * edge_y - nearest * step.y,
+          Lanes<Real>{} - start.z - nearest * step.z};
+}
+
+/// Of a segment, relative to the packet's origin.
+template <class Real>
+inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[2], const TrianglePacket& packet) {
+  const LaneFrames<Real> frames = orthonormal(framesFromOrigin<Real>(packet));
+  const LaneVector<Real> normal = frames.normal();
+  const auto seen = [&](const Vector<Real>& corner) -> LaneVector<Real> {
+    const LaneVector<Real> offset = everywhere(corner) - frames.centroid;
+    return {dot(offset, frames.along) + frames.xOfCentroid(),
+            dot(offset, frames.up) + frames.yOfCentroid(), dot(offset, normal)};
+  };
+  const LaneVector<Real> start = seen(tip[0]);
+  const LaneVector<Real> end = seen(tip[1]);
+  const LaneVector<Real> step = end - start;
+  const Vector<Real> along = tip[1] - tip[0];
+  const Real squared_step = dot(along, along);
+  const Lanes<Real> none{};
+  const Lanes<Real>& before = frames.before;
+  const Lanes<Real>& beyond = frames.beyond;
+  const Lanes<Real>& height = frames.height;
+
+  const Lanes<Real> left = none - before;
+  const Lanes<Real> down = none - height;
+  Shortest<Real> shortest(toEdges(start, step, squared_step, left, none, before + beyond, none));
+  shortest.consider(toEdges(start, step, squared_step, none, height, beyond, down));
+  shortest.consider(toEdges(start, step, squared_step, none, height, left, down));
+  for (const LaneVector<Real>* corner : {&start, &end}) {
+    const Truth<Real> is_over = (none <= corner->y) &
+                                (before * corner->y <= height * (before + corner->x)) &
+                                (beyond * corner->y <= height * (beyond - corner->x));
+    shortest.consider({none, none, none - corner->z}, is_over);
+  }
+
+  const LaneVector<Real>& offset = shortest.offset;
+  const Lanes<Real> farthest_of_tip = larger(dot(offset, start), dot(offset, end));
+  const Lanes<Real> nearest_of_lanes =
+      smaller(smaller(offset.x * left, offset.x * beyond), offset.y * height);
+  return {distanceOfGap(nearest_of_lanes - farthest_of_tip, shortest.squared),
+          root(shortest.squared),
+          offset.x * frames.along + offset.y * frames.up + offset.z * normal};
+}
+
+/// Of a triangle, relative to the packet's origin.
+template <class Real>
+inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[3], const TrianglePacket& packet) {
   const auto [a, ab, ac] = trianglesOf<Real>(packet);
   const LaneVector<Real> b = a + ab;
   const LaneVector<Real> c = a + ac;
   const LaneVector<Real> bc = ac - ab;
 
   Shortest<Real> shortest(a - everywhere(tip[0]));
-  constexpr std::uint32_t kEdges = kCorners == 2 ? 1 : 3;
-  for (std::uint32_t i = 0; i < kEdges; ++i) {
-    const Vector<Real> step = tip[(i + 1) % kCorners] - tip[i];
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const Vector<Real> step = tip[(i + 1) % 3] - tip[i];
     shortest.consider(betweenEdges(tip[i], step, a, ab));
     shortest.consider(betweenEdges(tip[i], step, a, ac));
     shortest.consider(betweenEdges(tip[i], step, b, bc));
@@ -186,21 +239,19 @@ inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[kCorners], const Trian
     const Foot<Lanes<Real>> foot = footIn(to_corner, ab, ac);
     shortest.consider(to_corner + foot.of_first * ab + foot.of_second * ac, isInside(foot));
   }
-  if constexpr (kCorners == 3) {
-    const LaneVector<Real> first = everywhere(tip[1] - tip[0]);
-    const LaneVector<Real> second = everywhere(tip[2] - tip[0]);
-    for (const LaneVector<Real>* corner : {&a, &b, &c}) {
-      const LaneVector<Real> from_corner = everywhere(tip[0]) - *corner;
-      const Foot<Lanes<Real>> foot = footIn(from_corner, first, second);
-      shortest.consider(
-          LaneVector<Real>{} - (from_corner + foot.of_first * first + foot.of_second * second),
-          isInside(foot));
-    }
+  const LaneVector<Real> first = everywhere(tip[1] - tip[0]);
+  const LaneVector<Real> second = everywhere(tip[2] - tip[0]);
+  for (const LaneVector<Real>* corner : {&a, &b, &c}) {
+    const LaneVector<Real> from_corner = everywhere(tip[0]) - *corner;
+    const Foot<Lanes<Real>> foot = footIn(from_corner, first, second);
+    shortest.consider(
+        LaneVector<Real>{} - (from_corner + foot.of_first * first + foot.of_second * second),
+        isInside(foot));
   }
 
   const LaneVector<Real>& offset = shortest.offset;
   Lanes<Real> farthest_of_tip = dot(offset, everywhere(tip[0]));
-  for (std::uint32_t i = 1; i < kCorners; ++i)
+  for (std::uint32_t i = 1; i < 3; ++i)
     farthest_of_tip = larger(farthest_of_tip, dot(offset, everywhere(tip[i])));
   const Lanes<Real> nearest_of_lanes =
       smaller(smaller(dot(offset, a), dot(offset, b)), dot(offset, c));

@@ -71,10 +71,24 @@ inline LaneFrames<Real> framesOf(const TrianglePacket& packet) {
 }
 /// Relative to the packet's origin.
 template <class Real>
-inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
+inline LaneFrames<Real> framesFromOrigin(const TrianglePacket& packet) {
   LaneFrames<Real> frames = framesOf<Real>(packet);
   frames.centroid = frames.centroid - everywhere(vectorOf<Real>(packet.origin));
-  return frames.triangles();
+  return frames;
+}
+template <class Real>
+inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
+  return framesFromOrigin<Real>(packet).triangles();
+}
+
+/// With unit vectors at right angles, as in single precision those that are kept are already.
+inline LaneFrames<float> orthonormal(const LaneFrames<float>& frames) { return frames; }
+inline LaneFrames<double> orthonormal(LaneFrames<double> frames) {
+  const Lanes<double> one = Lanes<double>::all(1);
+  frames.along = one / root(dot(frames.along, frames.along)) * frames.along;
+  frames.up = frames.up - dot(frames.up, frames.along) * frames.along;
+  frames.up = one / root(dot(frames.up, frames.up)) * frames.up;
+  return frames;
 }
 
 }  // namespace

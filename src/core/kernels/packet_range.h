@@ -75,15 +75,11 @@ struct NearestInFrames {
 /// On both sides of the foot a triangle has a right angle there. Of the two it is the one on the
 /// point's side that is nearest to it: the same for both, as if they lay beyond the foot.
 template <class Real>
-[[gnu::always_inline]] inline NearestInFrames<Real> nearestInFrames(LaneFrames<Real> frames,
+[[gnu::always_inline]] inline NearestInFrames<Real> nearestInFrames(const LaneFrames<Real>& kept,
                                                                     const Vector<Real>& point) {
+  const LaneFrames<Real> frames = orthonormal(kept);
   const Lanes<Real> none{};
   const Lanes<Real> one = Lanes<Real>::all(1);
-  if constexpr (kRoundoff<Real> < kRoundoff<float>) {  // as they are known in single precision
-    frames.along = one / root(dot(frames.along, frames.along)) * frames.along;
-    frames.up = frames.up - dot(frames.up, frames.along) * frames.along;
-    frames.up = one / root(dot(frames.up, frames.up)) * frames.up;
-  }
   const LaneVector<Real> offset = everywhere(point) - frames.centroid;
   const auto sum = [&offset](const Lanes<Real>& start, const LaneVector<Real>& axis) {
     return (start + offset.x * axis.x) + (offset.y * axis.y + offset.z * axis.z);

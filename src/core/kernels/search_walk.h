@@ -167,7 +167,7 @@ class Walk {
   /// Few leaves are spent one packet after the other. Of many packets most do not matter once the
   /// nearest is known; a few are looked at sooner than it is told which of them do.
   void scanAll(Frontier& frontier) {
-    constexpr std::uint32_t kFew = 20;
+    constexpr std::uint32_t kFew = kCorners == 1 ? 20 : 6;
     if (nearest_.isSparing()) {
       while (frontier.packetCount() > 0) lookAtNearest(frontier);
       return;

@@ -55,13 +55,12 @@ class WalkingTip {
 
   /// The boxes' squared distances, but for boxRounding().
   [[gnu::always_inline]] Lanes<Real> squaresOf(const SeenBoxes& seen, const WideNode& node) const {
-    const Lanes<Real> squares = squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
     if constexpr (kCorners == 2) {
       const Lanes<Real> gaps = larger(
           separatingAxesOf(seen, node).gap - Lanes<Real>::all(rounding_of_boxes_), Lanes<Real>{});
-      return larger(squares, gaps * gaps);
+      return gaps * gaps;
     }
-    return squares;
+    return squaredDistanceOf(seen.low, seen.high, seen.tip_low, seen.tip_high);
   }
 
   /// From a segment to the boxes, in the node's orientation; but for twice boxRounding().
