@@ -133,11 +133,18 @@ Approach nearestApproach(const Body& first, const Body& second, double squared_l
   return nearest;
 }
 
+constexpr double kLeastSine = 0x1p-24;  // squared: 50 seconds of arc
+
+/// Of edges that pass nearly side by side, small changes move the nearest points far.
+bool areNearlyParallel(const Vector3d& v, const Vector3d& w) {
+  const double both = v.dot(w);
+  return !(both * both < (1 - kLeastSine) * squaredLength(v) * squaredLength(w));
+}
+
 /// Whether, from the corners with weights, between which the nearest point is, all others lie
 /// clearly in a direction.
 bool restLiesTowards(const Vector3d& direction, const Body& body, const Vector3d& weights) {
   constexpr double kLeastStep = 0x1p-20;  // squared, of the longest edge
-  constexpr double kLeastSine = 0x1p-24;  // squared: 50 seconds of arc
   const double least_step = kLeastStep * body.squared_longest;
   const int base = weights[0] > 0 ? 0 : weights[1] > 0 ? 1 : 2;
   for (int i = 0; i < 3; ++i) {
@@ -172,6 +179,7 @@ bool findIfClear(const Body& first, const Body& second, double squared_longest, 
   const Edge& edge = *nearest.of_first;
   const Edge& other = *nearest.of_second;
   if (inside(nearest.on_first) && inside(nearest.on_second)) {
+    if (areNearlyParallel(edge.along, other.along)) return false;
     const std::optional<ClosestPair> between =
         insideEdges(edge, other, offsetsBetween(first, second));
     if (!between) return false;
@@ -213,7 +221,9 @@ bool findIfClear(const Body& first, const Body& second, ClosestPair& pair) {
     return false;
   pair.point_on_first /= factor;
   pair.on_second.point /= factor;
-  pair.on_second.offset /= factor;
+  const Box offsets = offsetsBetween(first, second);  // of coordinates that were lost, too
+  pair.on_second.offset =
+      (pair.on_second.offset / factor).cwiseMax(offsets.low).cwiseMin(offsets.high);
   pair.on_second.squared_distance = squaredLength(pair.on_second.offset);
   return true;
 }

@@ -38,7 +38,7 @@ void look(const Triangles& triangles, const Triangle& tip, Seen& seen) {
                                      packet.origin);
     reach = std::max(reach, reachOf(relative_tip[i]));
   }
-  const double rounding = 2 * double{roundingOf(reach, packet.radius)};
+  const double rounding = (kCorners == 2 ? 3 : 2) * double{roundingOf(reach, packet.radius)};
   const Gap<Real> gap = gapToTriangles(relative_tip, packet);
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
     const double distance =

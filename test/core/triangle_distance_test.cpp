@@ -126,6 +126,27 @@ TEST(ClosestPoints, TakesATriangleWithTwoEqualCornersForTheSegmentThatItIs) {
   });
 }
 
+TEST(ClosestPoints, OfEdgesThatPassNearlySideBySideAreAsGood) {
+  // Found by climbing: small changes of the nearest points' weights are large ones of the distance.
+  const Triangle segment = {{0x1.492633af4a38p-3, -0x1.d589446c0ae5dp-2, -0x1.671880defdadfp-6},
+                            {-0x1.fa83c9aef37cap-4, 0x1.6946803a7b601p-2, 0x1.144c942db382p-6},
+                            {-0x1.fa83c9aef37cap-4, 0x1.6946803a7b601p-2, 0x1.144c942db382p-6}};
+  const Triangle beside = {{0x1.0dcf58028a82ap-3, -0x1.80d5563e51cd6p-2, -0x1.2586032730aadp-6},
+                           {-0x1.997b06ed5d229p-4, 0x1.241e982f28782p-2, 0x1.c067706642debp-7},
+                           {0x1.8282b616f5965p-3, 0x1.ec99b347c86e2p-2, -0x1.a004219bc6a0bp-4}};
+  const Triangle first = {{0x1.43338a7690bap-3, 0x1.bcbb72555f7a2p+0, 0x1.e8135b2de3b76p-1},
+                          {0x1.e2d0f8eff0e1dp-2, 0x1.a9a33de0fe3a3p-1, 0x1.de00b07bdcf1cp-1},
+                          {0x1.0981713f413a9p-1, 0x1.6259f1f68103ap-1, 0x1.d9c60bdd57371p-1}};
+  const Triangle second = {{0x1.03a3e2ca76b4cp-4, 0x1.352c9fc6ce382p+0, 0x1.8904fde387492p-1},
+                           {0x1.96837ebcb55acp-3, 0x1.a1f1f4c54aeap-1, 0x1.83a9ce6c8b28dp-1},
+                           {0x1.252e9467b3433p-1, 0x1.28d7f8727618bp-1, 0x1.4d3e113fa9487p-2}};
+  const auto is_good = [](const Triangle& one, const Triangle& other) {
+    EXPECT_LE(errorOf(one, other), kPromise);
+  };
+  forEachOrder(segment, beside, is_good);
+  forEachOrder(first, second, is_good);
+}
+
 TEST(ClosestPoints, DistanceIsAsGoodAtTheExtremesOfScale) {
   for (const double scale : {0x1p-450, 0x1p-300, 0x1p-60, 0x1p+60, 0x1p+300, 0x1p+450}) {
     SCOPED_TRACE(scale);

@@ -12,11 +12,11 @@
 //
 // Rounding, in the terms of bounds.h: extents along a direction are off by 3*u*(d + r),
 // besides the u*d and r*u of the corners themselves; their difference by u*(d + r), the length of
-// the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). A segment is off by
-// 24*u*(d + 2*r) more where it is seen in frames of triangles, as a point is (packet_range.h). All
-// that is below 32*u*d + 128*(u + v)*r: what is told is to be lessened by twice what others give
-// away, which leaves room for the 4*u*extent of the exact measurement, where the extent may be
-// twice the reach of the tip.
+// the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). All that is below
+// 16*u*d + 64*(u + v)*r; what is told is to be lessened by twice as much, which leaves room for the
+// 4*u*extent of the exact measurement, where the extent may be twice the reach of the tip. A
+// segment is off by 24*u*(d + 2*r) more, as points are (packet_range.h), where it is seen in frames
+// of triangles: there by three times as much.
 namespace organ_collision::core {
 namespace {
 

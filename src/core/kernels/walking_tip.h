@@ -127,7 +127,7 @@ class WalkingTip {
       Vector<Real> tip[kCorners];
       for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(corners_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
-      rounding = rounding + rounding;
+      rounding = (kCorners == 2 ? 3 : 2) * rounding;
       if (planes != nullptr)
         *planes = {Lanes<Real>::all(-1) / root(dot(gap.axis, gap.axis)) * gap.axis, gap.low};
       return {gap.low * gap.low, gap.high * gap.high};
