@@ -79,11 +79,7 @@ TEST_P(NearestTriangleOf, PointTipsEqualsBruteForceBitForBit) {
 TEST_P(NearestTriangleOf, PointTipsEqualsBruteForceWhereCoordinatesAreCoarse) {
   std::mt19937 generator(16);
   for (const CollisionMesh& organ : organs()) {
-    const Eigen::Vector3d size = organ.health().box.high - organ.health().box.low;
-    Points positions = organ.mesh().positions();
-    for (Eigen::Vector3d& position : positions)
-      position += 0x1p45 * size.maxCoeff() * Eigen::Vector3d(1, -0.7, 0.3);
-    const CollisionMesh far(TriangleMesh(positions, organ.mesh().triangles()));
+    const CollisionMesh far = test::farAway(organ);
     for (std::size_t i = 0; i < queryCount(3000); ++i)
       ASSERT_NO_FATAL_FAILURE(expectSameAsBruteForce(far, randomTip(generator, far)));
   }

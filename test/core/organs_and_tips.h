@@ -26,6 +26,15 @@ inline const std::vector<core::CollisionMesh>& organs() {
   return all;
 }
 
+/// The organ so far away that coordinates are coarse.
+inline core::CollisionMesh farAway(const core::CollisionMesh& organ) {
+  const Eigen::Vector3d size = organ.health().box.high - organ.health().box.low;
+  Points positions = organ.mesh().positions();
+  for (Eigen::Vector3d& position : positions)
+    position += 0x1p45 * size.maxCoeff() * Eigen::Vector3d(1, -0.7, 0.3);
+  return core::CollisionMesh(core::TriangleMesh(positions, organ.mesh().triangles()));
+}
+
 /// Near, on and far from the organ, some on its vertices and centroids, where ties are.
 inline Eigen::Vector3d randomTip(std::mt19937& generator, const core::CollisionMesh& organ) {
   const core::Box& box = organ.health().box;
@@ -52,10 +61,15 @@ inline Eigen::Vector3d randomTip(std::mt19937& generator, const core::CollisionM
   }
 }
 
+/// One of four is a segment, as a shaft is.
 inline core::Triangle randomTriangle(std::mt19937& generator, const core::CollisionMesh& organ) {
   const Eigen::Vector3d a = randomTip(generator, organ);
-  const double size = 0.1 * (organ.health().box.high - organ.health().box.low).maxCoeff();
-  return {a, a + randomPoint(generator, size), a + randomPoint(generator, size)};
+  const double size = (organ.health().box.high - organ.health().box.low).maxCoeff();
+  if (generator() % 4 == 0) {
+    const Eigen::Vector3d end = a + randomPoint(generator, size);
+    return {a, end, end};
+  }
+  return {a, a + randomPoint(generator, 0.1 * size), a + randomPoint(generator, 0.1 * size)};
 }
 
 /// 4*u*extent [m]: what answers may differ by from the truth.

@@ -65,16 +65,33 @@ TEST(Tracker, FollowsAPointAsIfItSearched) {
   }
 }
 
-TEST(Tracker, FollowsATriangleAsIfItSearched) {
+TEST(Tracker, FollowsAPointAsIfItSearchedWhereCoordinatesAreCoarse) {
+  std::mt19937 generator(39);
+  for (const CollisionMesh& organ : organs()) {
+    const CollisionMesh far = test::farAway(organ);
+    Tracker tracker;
+    Eigen::Vector3d tip = randomTip(generator, far);
+    for (std::size_t i = 0; i < queryCount(3000); ++i) {
+      tip = moved(tip, generator, far);
+      ASSERT_NO_FATAL_FAILURE(
+          expectSame(tracker.nearestTriangle(far, 0.0, tip), nearestTriangle(far, tip)));
+    }
+  }
+}
+
+TEST(Tracker, FollowsATriangleOrASegmentAsIfItSearched) {
   std::mt19937 generator(32);
   for (const CollisionMesh& organ : organs()) {
-    Tracker tracker;
-    Triangle tip = test::randomTriangle(generator, organ);
-    for (std::size_t i = 0; i < queryCount(300); ++i) {
-      for (Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c})
-        *corner = moved(*corner, generator, organ);
-      ASSERT_NO_FATAL_FAILURE(
-          expectSame(tracker.nearestTriangle(organ, 0.0, tip), nearestTriangle(organ, tip)));
+    for (const bool is_segment : {false, true}) {
+      Tracker tracker;
+      Triangle tip = test::randomTriangle(generator, organ);
+      for (std::size_t i = 0; i < queryCount(300); ++i) {
+        for (Eigen::Vector3d* corner : {&tip.a, &tip.b, &tip.c})
+          *corner = moved(*corner, generator, organ);
+        if (is_segment) tip.c = tip.b;
+        ASSERT_NO_FATAL_FAILURE(
+            expectSame(tracker.nearestTriangle(organ, 0.0, tip), nearestTriangle(organ, tip)));
+      }
     }
   }
 }
