@@ -39,7 +39,7 @@ struct Body {
 
   const Triangle& triangle;
   std::array<Edge, 3> edges;
-  bool is_segment;         ///< as capsules ask: all edges are the first
+  bool is_segment;         ///< as capsules ask: all edges lie in the first
   double squared_longest;  ///< [m^2] of the edges
 };
 
@@ -48,19 +48,26 @@ ClosestPair fromFirst(const Body& first, int corner, const Body& second) {
   return {first.corner(corner), closestPointOnTriangle(first.corner(corner), second.triangle)};
 }
 
-/// What is nearest to a corner of the second, and of which weights that is.
-ClosestPair fromSecond(const Body& first, const Body& second, int corner,
-                       Vector3d& weights_on_first) {
+/// What is nearest to a corner of the second.
+ClosestPair fromSecond(const Body& first, int corner, const Body& second) {
   constexpr std::array<Feature, 3> kVertices{Feature::kVertexA, Feature::kVertexB,
                                              Feature::kVertexC};
   const ClosestPoint on_first = closestPointOnTriangle(second.corner(corner), first.triangle);
-  weights_on_first = on_first.barycentric;
   return {on_first.point,
           {second.corner(corner), -on_first.offset, Vector3d::Unit(corner), kVertices[corner],
            on_first.squared_distance}};
 }
 
 bool inside(double weight) { return weight > 0 && weight < 1; }
+
+/// Calls visit(edge of the first, edge of the second).
+template <class Visit>
+void forEachPairOfEdges(const Body& first, const Body& second, const Visit& visit) {
+  for (const Edge& edge_of_first : first.edges) {
+    for (const Edge& edge_of_second : second.edges) visit(edge_of_first, edge_of_second);
+    if (first.is_segment) return;
+  }
+}
 
 /// From any point of the first to any of the second.
 Box offsetsBetween(const Body& first, const Body& second) {
@@ -89,16 +96,18 @@ std::optional<ClosestPair> insideEdges(const Edge& first, const Edge& second, co
   return pair;
 }
 
-// Most triangles are clearly apart, and plain products tell which corners, edges or faces of them
-// are nearest: only those are measured then. Convex bodies have one distance: it is theirs if all
-// other corners lead away from there on both sides, so clearly that rounding cannot matter.
+// Most triangles are clearly apart, and plain products tell which edges, or which ends of them, are
+// nearest: only those are measured then. What they are nearest to is the nearest of all if all else
+// leads away from there. Rounding, with u = 2^-53 and L the longest edge: the offset is longer than
+// 2^-16*L, and within 4*u*L of the distance and as much of itself, which turns it by less than
+// 2^-16. That is less than the least angle at which other corners must lead away, so that they do.
 
 /// Where two edges come nearest, by plain products.
 struct Approach {
   const Edge* of_first;
   const Edge* of_second;
   double on_first, on_second;  ///< shares of the edges
-  double squared_distance;     ///< not a number where they are parallel
+  double squared_distance;     ///< maybe not a number where they are parallel, or one is a point
 };
 
 /// Source: C. Ericson, "Real-Time Collision Detection" (2005), 5.1.9.
@@ -107,15 +116,15 @@ Approach approachOf(const Edge& first, const Edge& second) {
   const double squared_first = squaredLength(first.along);
   const double squared_second = squaredLength(second.along);
   const double both = first.along.dot(second.along);
-  const double to_first = first.along.dot(between);
-  const double to_second = second.along.dot(between);
+  const double of_first = first.along.dot(between);
+  const double of_second = second.along.dot(between);
   const auto share = [](double numerator, double denominator) {
     return std::clamp(numerator / denominator, 0.0, 1.0);
   };
-  const double passing = share(to_first * squared_second - to_second * both,
+  const double passing = share(of_first * squared_second - of_second * both,
                                squared_first * squared_second - both * both);
-  const double on_second = share(passing * both - to_second, squared_second);
-  const double on_first = share(on_second * both + to_first, squared_first);
+  const double on_second = share(passing * both - of_second, squared_second);
+  const double on_first = share(on_second * both + of_first, squared_first);
   return {&first, &second, on_first, on_second,
           squaredLength(between + on_second * second.along - on_first * first.along)};
 }
@@ -123,109 +132,101 @@ Approach approachOf(const Edge& first, const Edge& second) {
 /// The nearest of all pairs of edges that are nearer than a limit; without edges if none is.
 Approach nearestApproach(const Body& first, const Body& second, double squared_limit) {
   Approach nearest{nullptr, nullptr, 0, 0, squared_limit};
-  for (const Edge& edge_of_first : first.edges) {
-    for (const Edge& edge_of_second : second.edges) {
-      const Approach approach = approachOf(edge_of_first, edge_of_second);
-      if (approach.squared_distance < nearest.squared_distance) nearest = approach;
-    }
-    if (first.is_segment) break;
-  }
+  forEachPairOfEdges(first, second, [&nearest](const Edge& of_first, const Edge& of_second) {
+    const Approach approach = approachOf(of_first, of_second);
+    if (approach.squared_distance < nearest.squared_distance) nearest = approach;
+  });
   return nearest;
 }
 
-constexpr double kLeastSine = 0x1p-24;  // squared: 50 seconds of arc
+constexpr double kLeastSquaredSine = 0x1p-24;  // of 50 seconds of arc
 
 /// Of edges that pass nearly side by side, small changes move the nearest points far.
 bool areNearlyParallel(const Vector3d& v, const Vector3d& w) {
   const double both = v.dot(w);
-  return !(both * both < (1 - kLeastSine) * squaredLength(v) * squaredLength(w));
+  return !(both * both < (1 - kLeastSquaredSine) * squaredLength(v) * squaredLength(w));
 }
 
-/// Whether, from the corners with weights, between which the nearest point is, all others lie
-/// clearly in a direction.
-bool restLiesTowards(const Vector3d& direction, const Body& body, const Vector3d& weights) {
-  constexpr double kLeastStep = 0x1p-20;  // squared, of the longest edge
-  const double least_step = kLeastStep * body.squared_longest;
-  const int base = weights[0] > 0 ? 0 : weights[1] > 0 ? 1 : 2;
+/// Whether all corners but those of an edge, or where `from` is `to` one, lie clearly in a
+/// direction from there.
+bool othersLieTowards(const Vector3d& direction, const Body& body, int from, int to) {
   for (int i = 0; i < 3; ++i) {
-    if (weights[i] > 0) continue;
-    const Vector3d step = body.corner(i) - body.corner(base);
-    const double squared_step = squaredLength(step);
+    const Vector3d& corner = body.corner(i);
+    if (corner == body.corner(from) || corner == body.corner(to)) continue;
+    const Vector3d step = corner - body.corner(from);
     const double ahead = direction.dot(step);
-    if (!(ahead > 0 && squared_step > least_step &&
-          ahead * ahead > kLeastSine * squaredLength(direction) * squared_step))
+    if (!(ahead > 0 &&
+          ahead * ahead > kLeastSquaredSine * squaredLength(direction) * squaredLength(step)))
       return false;
   }
   return true;
 }
 
-/// Finds the nearest points if it is clear which features they are on. REQUIRES: products of four
-/// lengths as the longest edge neither overflow nor underflow.
-bool findIfClear(const Body& first, const Body& second, double squared_longest, ClosestPair& pair) {
-  constexpr double kComparable = 0x1p-100;  // squared lengths, to the longest edge's
-  constexpr double kLeastOffset = 0x1p-32;  // the same: more than rounding
-  const double shorter = std::min(first.squared_longest, second.squared_longest);
-  if (!(shorter > kComparable * squared_longest)) return false;
-  const Approach nearest = nearestApproach(first, second, squared_longest / kComparable);
-  if (nearest.of_first == nullptr) return false;
+double squaredLongest(const Body& first, const Body& second) {
+  return std::max(first.squared_longest, second.squared_longest);
+}
 
-  const auto is_clear = [&](Vector3d weights_on_first) {
-    const Vector3d& offset = pair.on_second.offset;
-    if (first.is_segment) weights_on_first[2] = weights_on_first[1] += weights_on_first[2];
-    return pair.on_second.squared_distance > kLeastOffset * squared_longest &&
-           restLiesTowards(-offset, first, weights_on_first) &&
-           restLiesTowards(offset, second, pair.on_second.barycentric);
-  };
+/// The nearest points if it is clear which features they are on. REQUIRES: products of four of the
+/// longest edge neither overflow nor underflow.
+std::optional<ClosestPair> clearPair(const Body& first, const Body& second) {
+  constexpr double kLeastSquare = 0x1p-32;        // of the offset, to that of the longest edge
+  constexpr double kComparableSquare = 0x1p-100;  // of an edge, or of that to an offset
+  const double squared_longest = squaredLongest(first, second);
+  if (!(std::min(first.squared_longest, second.squared_longest) >
+        kComparableSquare * squared_longest))
+    return std::nullopt;
+  const Approach nearest = nearestApproach(first, second, squared_longest / kComparableSquare);
+  if (nearest.of_first == nullptr) return std::nullopt;
+
   const Edge& edge = *nearest.of_first;
   const Edge& other = *nearest.of_second;
+  const auto is_apart = [&](const ClosestPair& pair) {
+    return pair.on_second.squared_distance > kLeastSquare * squared_longest;
+  };
   if (inside(nearest.on_first) && inside(nearest.on_second)) {
-    if (areNearlyParallel(edge.along, other.along)) return false;
-    const std::optional<ClosestPair> between =
-        insideEdges(edge, other, offsetsBetween(first, second));
-    if (!between) return false;
-    pair = *between;
-    Vector3d weights = Vector3d::Zero();
-    weights[edge.from] = 1;
-    weights[edge.to] = 1;
-    return is_clear(weights);
+    if (areNearlyParallel(edge.along, other.along)) return std::nullopt;
+    const std::optional<ClosestPair> pair = insideEdges(edge, other, offsetsBetween(first, second));
+    const bool is_clear = pair && is_apart(*pair) &&
+                          othersLieTowards(-pair->on_second.offset, first, edge.from, edge.to) &&
+                          othersLieTowards(pair->on_second.offset, second, other.from, other.to);
+    return is_clear ? pair : std::nullopt;
   }
   if (!inside(nearest.on_first)) {
     const int corner = nearest.on_first > 0 ? edge.to : edge.from;
-    pair = fromFirst(first, corner, second);
-    if (is_clear(Vector3d::Unit(corner))) return true;
+    const ClosestPair pair = fromFirst(first, corner, second);
+    if (is_apart(pair) && othersLieTowards(-pair.on_second.offset, first, corner, corner))
+      return pair;
   }
-  if (inside(nearest.on_second)) return false;
-  Vector3d weights;
-  pair = fromSecond(first, second, nearest.on_second > 0 ? other.to : other.from, weights);
-  return is_clear(weights);
+  if (!inside(nearest.on_second)) {
+    const int corner = nearest.on_second > 0 ? other.to : other.from;
+    const ClosestPair pair = fromSecond(first, corner, second);
+    if (is_apart(pair) && othersLieTowards(pair.on_second.offset, second, corner, corner))
+      return pair;
+  }
+  return std::nullopt;
 }
 
-/// The same whatever the unit.
-bool findIfClear(const Body& first, const Body& second, ClosestPair& pair) {
-  const double longest = std::max(first.squared_longest, second.squared_longest);
-  if (isSafe(longest)) return findIfClear(first, second, longest, pair);
-
+/// The same of edges of any length, in a unit in which products are safe.
+std::optional<ClosestPair> clearPairScaled(const Body& first, const Body& second) {
   double largest = 0;
   for (const Body* body : {&first, &second})
     for (const Edge& edge : body->edges) largest = std::max(largest, largestCoordinate(edge.along));
-  if (largest == 0) return false;
+  if (largest == 0) return std::nullopt;
   const double factor = normalisingFactor(largest);
   const auto scaled = [factor](const Triangle& t) -> Triangle {
     return {factor * t.a, factor * t.b, factor * t.c};
   };
   const Triangle scaled_first = scaled(first.triangle);
   const Triangle scaled_second = scaled(second.triangle);
-  const Body one(scaled_first);
-  const Body other(scaled_second);
-  if (!findIfClear(one, other, std::max(one.squared_longest, other.squared_longest), pair))
-    return false;
-  pair.point_on_first /= factor;
-  pair.on_second.point /= factor;
+  std::optional<ClosestPair> pair = clearPair(Body(scaled_first), Body(scaled_second));
+  if (!pair) return std::nullopt;
+  pair->point_on_first /= factor;
+  pair->on_second.point /= factor;
   const Box offsets = offsetsBetween(first, second);  // of coordinates that were lost, too
-  pair.on_second.offset =
-      (pair.on_second.offset / factor).cwiseMax(offsets.low).cwiseMin(offsets.high);
-  pair.on_second.squared_distance = squaredLength(pair.on_second.offset);
-  return true;
+  pair->on_second.offset =
+      (pair->on_second.offset / factor).cwiseMax(offsets.low).cwiseMin(offsets.high);
+  pair->on_second.squared_distance = squaredLength(pair->on_second.offset);
+  return pair;
 }
 
 /// Keeps the nearer.
@@ -238,17 +239,13 @@ ClosestPair betweenBoundaries(const Body& first, const Body& second) {
   ClosestPair best = fromFirst(first, 0, second);
   consider(fromFirst(first, 1, second), best);
   if (!first.is_segment) consider(fromFirst(first, 2, second), best);
-  Vector3d weights;
-  for (int i = 0; i < 3; ++i) consider(fromSecond(first, second, i, weights), best);
+  for (int i = 0; i < 3; ++i) consider(fromSecond(first, i, second), best);
 
   const Box offsets = offsetsBetween(first, second);
-  for (const Edge& edge_of_first : first.edges) {
-    for (const Edge& edge_of_second : second.edges) {
-      const std::optional<ClosestPair> pair = insideEdges(edge_of_first, edge_of_second, offsets);
-      if (pair) consider(*pair, best);
-    }
-    if (first.is_segment) break;
-  }
+  forEachPairOfEdges(first, second, [&](const Edge& of_first, const Edge& of_second) {
+    const std::optional<ClosestPair> pair = insideEdges(of_first, of_second, offsets);
+    if (pair) consider(*pair, best);
+  });
   return best;
 }
 
@@ -262,26 +259,23 @@ std::optional<Vector3d> crossing(const Edge& edge, const Triangle& triangle) {
   return edge.start + before / (before - after) * edge.along;
 }
 
-double largestCoordinateOf(const Body& body) {
-  return std::max({largestCoordinate(body.corner(0)), largestCoordinate(body.corner(1)),
-                   largestCoordinate(body.corner(2))});
-}
-
 /// A common point of bodies that intersect, but for rounding: where an edge of one pierces the
 /// other; or, as in one plane, of their boundaries.
 ClosestPair commonPoint(const Body& first, const Body& second) {
   constexpr double kUnit = 0x1p-53;
-  const double rounding = kUnit * std::max(largestCoordinateOf(first), largestCoordinateOf(second));
+  const double rounding =
+      kUnit * std::max(largestCoordinate(first.triangle), largestCoordinate(second.triangle));
   ClosestPair best{};
   best.on_second.squared_distance = std::numeric_limits<double>::infinity();
   const auto is_found = [&] { return std::sqrt(best.on_second.squared_distance) <= rounding; };
   const auto pierce = [&](const Body& one, const Body& other) {
     for (const Edge& edge : one.edges) {
       if (is_found()) return;
-      const std::optional<Vector3d> point = crossing(edge, other.triangle);
-      if (!point) continue;
-      const Vector3d on_first = closestPointOnTriangle(*point, first.triangle).point;
-      consider({on_first, closestPointOnTriangle(on_first, second.triangle)}, best);
+      if (const std::optional<Vector3d> point = crossing(edge, other.triangle)) {
+        const Vector3d on_first = closestPointOnTriangle(*point, first.triangle).point;
+        consider({on_first, closestPointOnTriangle(on_first, second.triangle)}, best);
+      }
+      if (one.is_segment) return;
     }
   };
   pierce(first, second);
@@ -299,8 +293,10 @@ ClosestPair commonPoint(const Body& first, const Body& second) {
 ClosestPair closestPoints(const Triangle& first, const Triangle& second) {
   const Body one(first);
   const Body other(second);
-  ClosestPair pair;
-  if (findIfClear(one, other, pair)) return pair;
+  const bool is_safe = isSafe(squaredLongest(one, other));
+  const std::optional<ClosestPair> clear =
+      is_safe ? clearPair(one, other) : clearPairScaled(one, other);
+  if (clear) return *clear;
   return trianglesIntersect(first, second) ? commonPoint(one, other)
                                            : betweenBoundaries(one, other);
 }

@@ -131,8 +131,4 @@ inline Triangle reordered(const Triangle& t, int order) {
   return order < 3 ? turned : Triangle{turned.b, turned.a, turned.c};
 }
 
-inline double largestCoordinate(const Triangle& t) {
-  return t.a.cwiseAbs().cwiseMax(t.b.cwiseAbs()).cwiseMax(t.c.cwiseAbs()).maxCoeff();
-}
-
 }  // namespace organ_collision::core

@@ -24,6 +24,13 @@ struct Seen {
   std::uint64_t close = 0;  ///< lower bounds that are nearly the distance
 };
 
+/// How far the second is ahead of the first along an axis.
+double separation(const Eigen::Vector3d& axis, const Triangle& first, const Triangle& second) {
+  const auto along = [&](const Eigen::Vector3d& corner) { return axis.dot(corner); };
+  return std::min({along(second.a), along(second.b), along(second.c)}) -
+         std::max({along(first.a), along(first.b), along(first.c)});
+}
+
 /// A tip is as far from triangles as it is told, but for what rounding takes.
 template <class Real, std::uint32_t kCorners>
 void look(const Triangles& triangles, const Triangle& tip, Seen& seen) {
@@ -38,7 +45,7 @@ void look(const Triangles& triangles, const Triangle& tip, Seen& seen) {
                                      packet.origin);
     reach = std::max(reach, reachOf(relative_tip[i]));
   }
-  const double rounding = (kCorners == 2 ? 3 : 2) * double{roundingOf(reach, packet.radius)};
+  const double rounding = kGapRoundings<kCorners> * double{roundingOf(reach, packet.radius)};
   const Gap<Real> gap = gapToTriangles(relative_tip, packet);
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
     const double distance =
@@ -47,6 +54,10 @@ void look(const Triangles& triangles, const Triangle& tip, Seen& seen) {
     const auto high = static_cast<double>(gap.high[lane]);
     EXPECT_LE(low - rounding, distance) << lane;
     EXPECT_GE(high + rounding, distance) << lane;
+    const Eigen::Vector3d axis =
+        Eigen::Vector3d(gap.axis.x[lane], gap.axis.y[lane], gap.axis.z[lane]);
+    const double apart = separation(axis.normalized(), tip, triangles[lane]);
+    EXPECT_TRUE(low <= rounding || apart >= low - rounding) << lane;
     seen.most_off =
         std::max({seen.most_off, (low - distance) / rounding, (distance - high) / rounding});
     ++seen.count;

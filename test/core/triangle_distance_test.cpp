@@ -127,7 +127,7 @@ TEST(ClosestPoints, TakesATriangleWithTwoEqualCornersForTheSegmentThatItIs) {
 }
 
 TEST(ClosestPoints, OfEdgesThatPassNearlySideBySideAreAsGood) {
-  // Found by climbing: small changes of the nearest points' weights are large ones of the distance.
+  // Found by climbing.
   const Triangle segment = {{0x1.492633af4a38p-3, -0x1.d589446c0ae5dp-2, -0x1.671880defdadfp-6},
                             {-0x1.fa83c9aef37cap-4, 0x1.6946803a7b601p-2, 0x1.144c942db382p-6},
                             {-0x1.fa83c9aef37cap-4, 0x1.6946803a7b601p-2, 0x1.144c942db382p-6}};
@@ -217,6 +217,22 @@ TEST(ClosestPoints, AreNeverNearerThanTheBoxesOfThinTriangles) {
       corner->x() = gap + 1e-15 * corner->x();
     ASSERT_LE(squaredDistance(boxOf(first), boxOf(second)),
               closestPoints(first, second).on_second.squared_distance);
+  }
+}
+
+TEST(ClosestPoints, OffsetIsWithinTheBoxesWhereCoordinatesAreLostInAnotherUnit) {
+  HardTriangles triangles(10);
+  const Vector3d scale(0x1p-640, 0x1p490, 0x1p490);
+  for (int i = 0; i < kSamples; ++i) {
+    Triangle first = triangles.triangle(TriangleKind::kRandom);
+    Triangle second = triangles.triangle(TriangleKind::kRandom);
+    for (Vector3d* corner : {&first.a, &first.b, &first.c}) *corner = corner->cwiseProduct(scale);
+    for (Vector3d* corner : {&second.a, &second.b, &second.c})
+      *corner = (*corner + Vector3d(4, 0, 4)).cwiseProduct(scale);
+    const Vector3d offset = closestPoints(first, second).on_second.offset;
+    const Vector3d low = boxOf(second).low - boxOf(first).high;
+    const Vector3d high = boxOf(second).high - boxOf(first).low;
+    ASSERT_EQ(offset, offset.cwiseMax(low).cwiseMin(high));
   }
 }
 

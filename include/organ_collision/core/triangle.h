@@ -19,6 +19,9 @@ inline std::array<Eigen::Vector3d, 3> cornersOf(const Triangle& triangle) {
 
 /// The largest magnitude of a coordinate.
 inline double largestCoordinate(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
+inline double largestCoordinate(const Triangle& t) {
+  return t.a.cwiseAbs().cwiseMax(t.b.cwiseAbs()).cwiseMax(t.c.cwiseAbs()).maxCoeff();
+}
 
 /// x^2 + y^2 + z^2, evaluated in one fixed order: never less than the same sum over smaller
 /// magnitudes.

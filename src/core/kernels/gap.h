@@ -14,11 +14,15 @@
 // besides the u*d and r*u of the corners themselves; their difference by u*(d + r), the length of
 // the direction by 3*u. Points of edges and faces are found to 8*u*(d + r). All that is below
 // 16*u*d + 64*(u + v)*r; what is told is to be lessened by twice as much, which leaves room for the
-// 4*u*extent of the exact measurement, where the extent may be twice the reach of the tip. A
-// segment is off by 24*u*(d + 2*r) more, as points are (packet_range.h), where it is seen in frames
-// of triangles: there by three times as much.
+// 4*u*extent of the exact measurement, where the extent may be twice the reach of the tip. In the
+// frames of triangles a segment is off by 24*u*(d + 2*r) more, as points are (packet_range.h):
+// there three times as much is given away.
 namespace organ_collision::core {
 namespace {
+
+/// How many times roundingOf() the gaps to triangles are to be lessened by.
+template <std::uint32_t kCorners>
+constexpr int kGapRoundings = kCorners == 2 ? 3 : 2;
 
 template <class Real>
 inline Lanes<Real> clampedTo1(const Lanes<Real>& x) {
@@ -63,9 +67,30 @@ inline SeparatingAxes<Real> separatingAxes(const Vector<Real>& start, const Vect
   return {LaneVector<Real>{} - direction, distanceOfGap(gap, dot(direction, direction))};
 }
 
+/// Of two segments, shares of both.
+template <class Real>
+struct NearestShares {
+  Lanes<Real> of_lane, of_tip;
+};
+
+/// Where the tip's segment and those in the lanes are nearest: from the squares of their lengths,
+/// their product, and the products of each with the way from the tip's start to the lane's.
+/// Source: C. Ericson, "Real-time collision detection" (2005), 5.1.9.
+template <class Real>
+[[gnu::always_inline]] inline NearestShares<Real> nearestShares(Real squared_step,
+                                                                const Lanes<Real>& squared_edge,
+                                                                const Lanes<Real>& both,
+                                                                const Lanes<Real>& of_step,
+                                                                const Lanes<Real>& of_edge) {
+  const Lanes<Real> passing =
+      clampedTo1((of_step * squared_edge - of_edge * both) /
+                 (Lanes<Real>::all(squared_step) * squared_edge - both * both));
+  const Lanes<Real> of_lane = clampedTo1((passing * both - of_edge) / squared_edge);
+  return {of_lane, clampedTo1((of_lane * both + of_step) * Lanes<Real>::all(1 / squared_step))};
+}
+
 /// Of the segment from `start` along `step`, and those a lane from `lane_start` along `edge`, the
-/// vector from nearest point to nearest point. Source: C. Ericson, "Real-time collision detection"
-/// (2005), 5.1.9.
+/// vector from nearest point to nearest point.
 template <class Real>
 [[gnu::always_inline]] inline LaneVector<Real> betweenEdges(const Vector<Real>& start,
                                                             const Vector<Real>& step,
@@ -73,17 +98,24 @@ template <class Real>
                                                             const LaneVector<Real>& edge) {
   const LaneVector<Real> along = everywhere(step);
   const LaneVector<Real> between = lane_start - everywhere(start);
-  const Real squared_step = dot(step, step);
-  const Lanes<Real> squared_along = Lanes<Real>::all(squared_step);
-  const Lanes<Real> squared_edge = dot(edge, edge);
-  const Lanes<Real> both = dot(along, edge);
-  const Lanes<Real> first = dot(along, between);
-  const Lanes<Real> second = dot(edge, between);
-  const Lanes<Real> s = clampedTo1((first * squared_edge - second * both) /
-                                   (squared_along * squared_edge - both * both));
-  const Lanes<Real> t = clampedTo1((s * both - second) / squared_edge);
-  const Lanes<Real> nearest = clampedTo1((t * both + first) * Lanes<Real>::all(1 / squared_step));
-  return between + t * edge - nearest * along;
+  const NearestShares<Real> shares = nearestShares(
+      dot(step, step), dot(edge, edge), dot(along, edge), dot(along, between), dot(edge, between));
+  return between + shares.of_lane * edge - shares.of_tip * along;
+}
+
+/// The same of a segment in each triangle's frame and an edge in its plane.
+template <class Real>
+[[gnu::always_inline]] inline LaneVector<Real> toEdges(
+    const LaneVector<Real>& start, const LaneVector<Real>& step, Real squared_step,
+    const Lanes<Real>& start_x, const Lanes<Real>& start_y, const Lanes<Real>& edge_x,
+    const Lanes<Real>& edge_y) {
+  const Lanes<Real> x = start_x - start.x;
+  const Lanes<Real> y = start_y - start.y;
+  const auto [t, s] = nearestShares(
+      squared_step, edge_x * edge_x + edge_y * edge_y, step.x * edge_x + step.y * edge_y,
+      step.x * x + step.y * y - step.z * start.z, edge_x * x + edge_y * y);
+  return {x + t * edge_x - s * step.x, y + t * edge_y - s * step.y,
+          Lanes<Real>{} - start.z - s * step.z};
 }
 
 /// What a point's projection onto the plane of a triangle is in the triangle's coordinates.
@@ -157,28 +189,7 @@ struct Gap {
   LaneVector<Real> axis;
 };
 
-/// The same of edges that start at x, y and go along a triangle's plane, in its frame.
-template <class Real>
-[[gnu::always_inline]] inline LaneVector<Real> toEdges(
-    const LaneVector<Real>& start, const LaneVector<Real>& step, Real squared_step,
-    const Lanes<Real>& start_x, const Lanes<Real>& start_y, const Lanes<Real>& edge_x,
-    const Lanes<Real>& edge_y) {
-  const Lanes<Real> x = start_x - start.x;
-  const Lanes<Real> y = start_y - start.y;
-  const Lanes<Real> squared_along = Lanes<Real>::all(squared_step);
-  const Lanes<Real> squared_edge = edge_x * edge_x + edge_y * edge_y;
-  const Lanes<Real> both = step.x * edge_x + step.y * edge_y;
-  const Lanes<Real> first = step.x * x + step.y * y - step.z * start.z;
-  const Lanes<Real> second = edge_x * x + edge_y * y;
-  const Lanes<Real> s = clampedTo1((first * squared_edge - second * both) /
-                                   (squared_along * squared_edge - both * both));
-  const Lanes<Real> t = clampedTo1((s * both - second) / squared_edge);
-  const Lanes<Real> nearest = clampedTo1((t * both + first) * Lanes<Real>::all(1 / squared_step));
-  return {x + t * edge_x - nearest * step.x, y + t * edge_y - nearest * step.y,
-          Lanes<Real>{} - start.z - nearest * step.z};
-}
-
-/// Of a segment, relative to the packet's origin.
+/// Of a segment, relative to the packet's origin; it is looked at in the triangles' frames.
 template <class Real>
 inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[2], const TrianglePacket& packet) {
   const LaneFrames<Real> frames = orthonormal(framesFromOrigin<Real>(packet));
@@ -191,8 +202,8 @@ inline Gap<Real> gapToTriangles(const Vector<Real> (&tip)[2], const TrianglePack
   const LaneVector<Real> start = seen(tip[0]);
   const LaneVector<Real> end = seen(tip[1]);
   const LaneVector<Real> step = end - start;
-  const Vector<Real> along = tip[1] - tip[0];
-  const Real squared_step = dot(along, along);
+  const Vector<Real> whole = tip[1] - tip[0];
+  const Real squared_step = dot(whole, whole);
   const Lanes<Real> none{};
   const Lanes<Real>& before = frames.before;
   const Lanes<Real>& beyond = frames.beyond;

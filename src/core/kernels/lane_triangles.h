@@ -76,6 +76,7 @@ inline LaneFrames<Real> framesFromOrigin(const TrianglePacket& packet) {
   frames.centroid = frames.centroid - everywhere(vectorOf<Real>(packet.origin));
   return frames;
 }
+/// The same as triangles.
 template <class Real>
 inline LaneTriangles<Real> trianglesOf(const TrianglePacket& packet) {
   return framesFromOrigin<Real>(packet).triangles();

@@ -53,7 +53,7 @@ class WalkingTip {
     return seen;
   }
 
-  /// The boxes' squared distances, but for boxRounding().
+  /// Lower bounds of the boxes' squared distances, but for boxRounding().
   [[gnu::always_inline]] Lanes<Real> squaresOf(const SeenBoxes& seen, const WideNode& node) const {
     if constexpr (kCorners == 2) {
       const Lanes<Real> gaps = larger(
@@ -127,7 +127,7 @@ class WalkingTip {
       Vector<Real> tip[kCorners];
       for (std::uint32_t i = 0; i < kCorners; ++i) tip[i] = relative(corners_[i], packet.origin);
       const Gap<Real> gap = gapToTriangles(tip, packet);
-      rounding = (kCorners == 2 ? 3 : 2) * rounding;
+      rounding = kGapRoundings<kCorners> * rounding;
       if (planes != nullptr)
         *planes = {Lanes<Real>::all(-1) / root(dot(gap.axis, gap.axis)) * gap.axis, gap.low};
       return {gap.low * gap.low, gap.high * gap.high};
