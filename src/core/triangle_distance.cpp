@@ -262,9 +262,9 @@ std::optional<Vector3d> crossing(const Edge& edge, const Triangle& triangle) {
 /// A common point of bodies that intersect, but for rounding: where an edge of one pierces the
 /// other; or, as in one plane, of their boundaries.
 ClosestPair commonPoint(const Body& first, const Body& second) {
-  constexpr double kUnit = 0x1p-53;
-  const double rounding =
-      kUnit * std::max(largestCoordinate(first.triangle), largestCoordinate(second.triangle));
+  constexpr double kUnitRoundoff = 0x1p-53;
+  const double rounding = kUnitRoundoff * std::max(largestCoordinate(first.triangle),
+                                                   largestCoordinate(second.triangle));
   ClosestPair best{};
   best.on_second.squared_distance = std::numeric_limits<double>::infinity();
   const auto is_found = [&] { return std::sqrt(best.on_second.squared_distance) <= rounding; };
