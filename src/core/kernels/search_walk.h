@@ -165,8 +165,8 @@ class Walk {
   }
 
   /// Few leaves are spent one packet after the other. Of many packets most do not matter once the
-  /// nearest is known; a few are looked at sooner than it is told which of them do, more of them
-  /// from a point, from where that takes least.
+  /// nearest is known; a few are looked at sooner than it is told which of them do: more of them
+  /// from a point, as each takes less time from there.
   void scanAll(Frontier& frontier) {
     constexpr std::uint32_t kFew = kCorners == 1 ? 20 : 6;
     if (nearest_.isSparing()) {
