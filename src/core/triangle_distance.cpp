@@ -21,19 +21,25 @@ struct Edge {
   const Vector3d& start;  ///< [m]
   const Vector3d& end;    ///< [m]
   Vector3d along;         ///< [m] from start to end
+  double squared_length;  ///< [m^2]
   Feature feature;
 };
+
+Edge edgeOf(int from, int to, const Vector3d& start, const Vector3d& end, Feature feature) {
+  const Vector3d along = end - start;
+  return {from, to, start, end, along, squaredLength(along), feature};
+}
 
 /// A triangle, which stays where it is, and its edges.
 struct Body {
   explicit Body(const Triangle& t)
       : triangle(t),
-        edges{{{0, 1, t.a, t.b, t.b - t.a, Feature::kEdgeAB},
-               {1, 2, t.b, t.c, t.c - t.b, Feature::kEdgeBC},
-               {2, 0, t.c, t.a, t.a - t.c, Feature::kEdgeCA}}},
+        edges{edgeOf(0, 1, t.a, t.b, Feature::kEdgeAB), edgeOf(1, 2, t.b, t.c, Feature::kEdgeBC),
+              edgeOf(2, 0, t.c, t.a, Feature::kEdgeCA)},
         is_segment(t.b == t.c),
-        squared_longest(std::max({squaredLength(edges[0].along), squaredLength(edges[1].along),
-                                  squaredLength(edges[2].along)})) {}
+        squared_longest(
+            std::max({edges[0].squared_length, edges[1].squared_length, edges[2].squared_length})) {
+  }
 
   const Vector3d& corner(int i) const { return edges[i].start; }
 
@@ -113,18 +119,16 @@ struct Approach {
 /// Source: C. Ericson, "Real-Time Collision Detection" (2005), 5.1.9.
 Approach approachOf(const Edge& first, const Edge& second) {
   const Vector3d between = second.start - first.start;
-  const double squared_first = squaredLength(first.along);
-  const double squared_second = squaredLength(second.along);
   const double both = first.along.dot(second.along);
   const double of_first = first.along.dot(between);
   const double of_second = second.along.dot(between);
   const auto share = [](double numerator, double denominator) {
     return std::clamp(numerator / denominator, 0.0, 1.0);
   };
-  const double passing = share(of_first * squared_second - of_second * both,
-                               squared_first * squared_second - both * both);
-  const double on_second = share(passing * both - of_second, squared_second);
-  const double on_first = share(on_second * both + of_first, squared_first);
+  const double passing = share(of_first * second.squared_length - of_second * both,
+                               first.squared_length * second.squared_length - both * both);
+  const double on_second = share(passing * both - of_second, second.squared_length);
+  const double on_first = share(on_second * both + of_first, first.squared_length);
   return {&first, &second, on_first, on_second,
           squaredLength(between + on_second * second.along - on_first * first.along)};
 }
@@ -142,9 +146,9 @@ Approach nearestApproach(const Body& first, const Body& second, double squared_l
 constexpr double kLeastSquaredSine = 0x1p-24;  // of 50 seconds of arc
 
 /// Of edges that pass nearly side by side, small changes move the nearest points far.
-bool areNearlyParallel(const Vector3d& v, const Vector3d& w) {
-  const double both = v.dot(w);
-  return !(both * both < (1 - kLeastSquaredSine) * squaredLength(v) * squaredLength(w));
+bool areNearlyParallel(const Edge& first, const Edge& second) {
+  const double both = first.along.dot(second.along);
+  return !(both * both < (1 - kLeastSquaredSine) * first.squared_length * second.squared_length);
 }
 
 /// Whether all corners but those of an edge, or where `from` is `to` one, lie clearly in a
@@ -184,7 +188,7 @@ std::optional<ClosestPair> clearPair(const Body& first, const Body& second) {
     return pair.on_second.squared_distance > kLeastSquare * squared_longest;
   };
   if (inside(nearest.on_first) && inside(nearest.on_second)) {
-    if (areNearlyParallel(edge.along, other.along)) return std::nullopt;
+    if (areNearlyParallel(edge, other)) return std::nullopt;
     const std::optional<ClosestPair> pair = insideEdges(edge, other, offsetsBetween(first, second));
     const bool is_clear = pair && is_apart(*pair) &&
                           othersLieTowards(-pair->on_second.offset, first, edge.from, edge.to) &&

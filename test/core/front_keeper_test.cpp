@@ -98,8 +98,7 @@ class Kept {
       Planes<float> planes;
       tip.rangeOf(packet, rounding, &planes);
       KeptSets triangles;
-      keeper.keepTriangles(planes, kCorners == 1 ? 2 * rounding : rounding,
-                           lanesInUse<float>(packet), triangles);
+      keeper.keepTriangles(planes, rounding, lanesInUse<float>(packet), triangles);
       for (std::uint32_t i = 0; i < packet.lane_count; ++i) {
         const double bound = keeper.boundsOf(triangles)[i];
         most_below = std::max(most_below, distance(then, triangle(packet, i)) - bound);

@@ -90,10 +90,12 @@ class FrontKeeper {
   }
 
   /// Of these triangles of a packet, by lanes. Where no plane keeps them apart, nothing is known.
+  /// `rounding` is that of the packet's range, of which planes of a point take twice as much.
   void keepTriangles(const Planes<float>& planes, float rounding, const Truth<float>& lanes,
                      KeptSets& kept) const {
+    const float rounding_of_planes = kCorners == 1 ? 2 * rounding : rounding;
     keep(select(planes.gap <= Lanes<float>{}, LaneVector<float>{}, planes.direction),
-         planes.gap - Lanes<float>::all(rounding), lanes, kept);
+         planes.gap - Lanes<float>::all(rounding_of_planes), lanes, kept);
   }
 
  private:

@@ -105,7 +105,7 @@ class FrontWalk {
     Planes<float> planes;
     const SquaredRange<float> range = nearest_.tip().rangeOf(packet, rounding, &planes);
     const Truth<float> used = lanesInUse<float>(packet);
-    keeper_.keepTriangles(planes, kCorners == 1 ? 2 * rounding : rounding, used, kept);
+    keeper_.keepTriangles(planes, rounding, used, kept);
     const Truth<float> matter =
         used & (range.low <= Lanes<float>::all(squareOf(nearest_.reach() + rounding)));
     if (withoutNearest(matter.bits(), packet) != 0)
