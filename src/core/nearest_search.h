@@ -268,12 +268,12 @@ class NearestSearch : protected Search {
     });
   }
   /// What `ask` says of the nearest vertex' offset and a triangle's edges from there; `otherwise`
-  /// of triangles without it.
+  /// of triangles without it. REQUIRES: there is one.
   template <class Answer, class Ask>
   Answer fromBestVertex(FarthestPairTree::Leaf leaf, Answer otherwise, const Ask& ask) const {
     const Corners& vertices = leaf_corners[leaf];
     const std::size_t corner = cornerAt(best_vertex, vertices);
-    if (best_vertex == kNoVertex || vertices[corner] != best_vertex) return otherwise;
+    if (vertices[corner] != best_vertex) return otherwise;
     const auto edge_to = [&](std::size_t other) -> Eigen::Vector3d {
       return organ_.mesh().position(vertices[other]) - nearest_.closest.point;
     };

@@ -34,9 +34,10 @@ double mostOff(const Triangles& triangles, const Eigen::Vector3d& place) {
   const Vector<Real> point = {static_cast<Real>(place.x()), static_cast<Real>(place.y()),
                               static_cast<Real>(place.z())};
   const double rounding = double{roundingOf(packet)} + kPlaceRounding;
-  const auto nearest = nearestInFrames(framesOf<Real>(packet), point);
+  const LaneFrames<Real> frames = orthonormal(framesOf<Real>(packet));
+  const auto nearest = nearestInFrames(frames, point);
   const auto [low, high] = nearest.range();
-  const auto [direction, gap] = nearest.planes();
+  const auto [direction, gap] = nearest.planes(frames);
   double most = 0.0;
   for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
     const ClosestPoint closest = closestPointOnTriangle(place, triangles[lane]);

@@ -14,8 +14,16 @@ class FrontWalk {
  public:
   /// False where there is no room for all that has to be opened.
   static bool run(Search& search) {
+    FrontKeeper<kCorners> keeper;
+    keeper.start(*search.front);
+    const Lanes<float> allowed = keeper.allowed(static_cast<float>(search.best));
+    const std::uint32_t first = firstInDoubt(search, keeper.chainWithin(allowed));
+    if (first == KeptSets::kNone) {  // most often
+      search.unopened = kInfinity;
+      return true;
+    }
     typename Nearest::Room room;
-    return FrontWalk(search, room).run();
+    return FrontWalk(search, room, keeper).run(first, allowed);
   }
 
  private:
@@ -23,27 +31,35 @@ class FrontWalk {
   static constexpr double kApproachRounding = 4 * kRoundoff<float>;
   using Nearest = NearestSoFar<float, kCorners, true>;
 
-  FrontWalk(Search& search, typename Nearest::Room& room)
-      : search_(search), front_(*search.front), nearest_(search, room) {
-    keeper_.start(front_);
+  FrontWalk(Search& search, typename Nearest::Room& room, const FrontKeeper<kCorners>& keeper)
+      : search_(search), front_(*search.front), nearest_(search, room), keeper_(keeper) {}
+
+  /// Of a chain of kept sets that are within reach, the first of which not only the triangle that
+  /// was nearest is, which is measured; or none.
+  static std::uint32_t firstInDoubt(const Search& search, std::uint32_t i) {
+    const Front& front = *search.front;
+    while (i != KeptSets::kNone && isPacket(front.kept[i]) &&
+           withoutNearest(front.kept[i].within, front, packetOf(search, front.kept[i])) == 0)
+      i = front.kept[i].next;
+    return i;
   }
 
-  bool run() {
+  bool run(std::uint32_t first, const Lanes<float>& allowed) {
     if (search_.best_vertex != kNoVertex) {
       if (search_.best_vertex != front_.tied_vertex) forgetTies();
       approach_ = static_cast<float>(front_.approach * (1 + kApproachRounding));
     }
-    if (!lookAtAllWithin(keeper_.allowed(nearest_.reach()))) return false;
+    if (!lookAtAll(first, allowed)) return false;
     nearest_.finish();
     if (search_.best_leaf != front_.nearest) front_.tied_vertex = kNoVertex;
     return true;
   }
 
-  /// At what is within reach; false where there is no room for what has to be opened.
-  bool lookAtAllWithin(const Lanes<float>& allowed) {
+  /// At what is within reach, of a chain of kept sets; false where there is no room for what has to
+  /// be opened.
+  bool lookAtAll(std::uint32_t first, const Lanes<float>& allowed) {
     const std::uint32_t followed = front_.count;
-    for (std::uint32_t i = keeper_.chainWithin(allowed); i != KeptSets::kNone;
-         i = front_.kept[i].next) {
+    for (std::uint32_t i = first; i != KeptSets::kNone; i = front_.kept[i].next) {
       KeptSets& kept = front_.kept[i];
       if (isPacket(kept)) {
         lookAtTriangles(kept.within, kept);
@@ -57,6 +73,16 @@ class FrontWalk {
   }
 
   static bool isPacket(const KeptSets& kept) { return (kept.opened & kPacketBit) != 0; }
+  static const TrianglePacket& packetOf(const Search& search, const KeptSets& kept) {
+    return search.packets[kept.opened & ~kPacketBit];
+  }
+
+  /// Of lanes of a packet, by bits, those that do not hold the triangle that was nearest.
+  static std::uint32_t withoutNearest(std::uint32_t lanes, const Front& front,
+                                      const TrianglePacket& packet) {
+    const std::uint32_t nearest = front.nearest - packet.first_leaf;
+    return nearest < kLaneCount ? lanes & ~(1U << nearest) : lanes;
+  }
 
   /// Boxes that seemed to be within reach, from where the tip was when they were looked at, may be
   /// seen to be farther now. The others are opened; false where there is no room.
@@ -89,10 +115,10 @@ class FrontWalk {
 
   /// At those of a packet's triangles, by bits, that may be within reach.
   void lookAtTriangles(std::uint32_t lanes, KeptSets& kept) {
-    const TrianglePacket& packet = search_.packets[kept.opened & ~kPacketBit];
+    const TrianglePacket& packet = packetOf(search_, kept);
     const Truth<float> tied =
         Lanes<float>::all(approach_) <= Lanes<float>::load(kept.tied_until.data());
-    const std::uint32_t in_doubt = withoutNearest(lanes & ~tied.bits(), packet);
+    const std::uint32_t in_doubt = withoutNearest(lanes & ~tied.bits(), front_, packet);
     if (in_doubt != 0 && !nearest_.isTooLate(packet) && !areTied(in_doubt, packet, kept))
       scan(packet, kept);
   }
@@ -108,14 +134,8 @@ class FrontWalk {
     keeper_.keepTriangles(planes, rounding, used, kept);
     const Truth<float> matter =
         used & (range.low <= Lanes<float>::all(squareOf(nearest_.reach() + rounding)));
-    if (withoutNearest(matter.bits(), packet) != 0)
+    if (withoutNearest(matter.bits(), front_, packet) != 0)
       nearest_.consider(matter, range, rounding, packet);
-  }
-
-  /// Of lanes of a packet, by bits, those that do not hold the triangle that was nearest.
-  std::uint32_t withoutNearest(std::uint32_t lanes, const TrianglePacket& packet) const {
-    const std::uint32_t nearest = front_.nearest - packet.first_leaf;
-    return nearest < kLaneCount ? lanes & ~(1U << nearest) : lanes;
   }
 
   void forgetTies() {
@@ -126,6 +146,7 @@ class FrontWalk {
 
   /// Whether these lanes of a packet, by bits, tie at the nearest vertex; keeps until when.
   bool areTied(std::uint32_t lanes, const TrianglePacket& packet, KeptSets& kept) const {
+    if (search_.best_vertex == kNoVertex) return false;
     for (; lanes != 0; lanes &= lanes - 1) {
       const std::uint32_t lane = lowestBit(lanes);
       const double room = search_.roomOfTie(search_, packet.first_leaf + lane);

@@ -45,7 +45,6 @@ inline float roundingOf(const TrianglePacket& packet) {
 /// Of eight triangles the points that are nearest to a point, in their frames.
 template <class Real>
 struct NearestInFrames {
-  LaneFrames<Real> frames;
   Lanes<Real> x, y;         ///< where the point is: along and up, from the foot
   LaneVector<Real> offset;  ///< from the point to the nearest: along, up, and along the normal
   Lanes<Real> squared;      ///< how long that is
@@ -57,7 +56,7 @@ struct NearestInFrames {
 
   /// Planes perpendicular to the offsets, which keep the triangles from the point; where none does,
   /// no gap.
-  Planes<Real> planes() const {
+  Planes<Real> planes(const LaneFrames<Real>& frames) const {
     const Lanes<Real> none{};
     const Lanes<Real> to_nearest_corner =
         smaller(smaller(none - offset.x * frames.before, offset.x * frames.beyond),
@@ -74,10 +73,10 @@ struct NearestInFrames {
 
 /// On both sides of the foot a triangle has a right angle there. Of the two it is the one on the
 /// point's side that is nearest to it: the same for both, as if they lay beyond the foot.
+/// REQUIRES: orthonormal frames.
 template <class Real>
-[[gnu::always_inline]] inline NearestInFrames<Real> nearestInFrames(const LaneFrames<Real>& kept,
+[[gnu::always_inline]] inline NearestInFrames<Real> nearestInFrames(const LaneFrames<Real>& frames,
                                                                     const Vector<Real>& point) {
-  const LaneFrames<Real> frames = orthonormal(kept);
   const Lanes<Real> none{};
   const Lanes<Real> one = Lanes<Real>::all(1);
   const LaneVector<Real> offset = everywhere(point) - frames.centroid;
@@ -97,8 +96,7 @@ template <class Real>
   const Lanes<Real> along =
       select(is_over_slope, beside + part * width, select(y <= none, larger(beside, none), none));
   const Lanes<Real> up = select(is_over_slope, y - part * height, smaller(y, none));
-  return {frames,
-          x,
+  return {x,
           y,
           {select(is_before, along, none - along), none - up, none - z},
           along * along + up * up + z * z};

@@ -78,6 +78,7 @@ struct Search {
   void (*measure)(Search& search, std::uint32_t leaf);
   /// How far the tip may move while a triangle is known not to be nearer than the nearest vertex so
   /// far, which it has too, nor to come before the triangle named for it; negative if it is not.
+  /// REQUIRES: there is a nearest vertex.
   double (*roomOfTie)(const Search& search, std::uint32_t leaf);
   double best;              ///< the nearest triangle is not farther
   std::uint32_t best_leaf;  ///< of the nearest that was measured: of several the first

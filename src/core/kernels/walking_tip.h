@@ -118,8 +118,9 @@ class WalkingTip {
                                                     Planes<Real>* planes = nullptr) const {
     if constexpr (kIsPoint) {
       rounding = withPlaces(Real{roundingOf(packet)});
-      const auto nearest = nearestInFrames(framesOf<Real>(packet), corners_[0]);
-      if (planes != nullptr) *planes = nearest.planes();
+      const LaneFrames<Real> frames = orthonormal(framesOf<Real>(packet));
+      const auto nearest = nearestInFrames(frames, corners_[0]);
+      if (planes != nullptr) *planes = nearest.planes(frames);
       return nearest.range();
     } else {
       Vector<Real> low, high;
