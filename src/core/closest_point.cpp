@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/accurate_offset.h"
 #include "core/plane_coordinates.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/predicates.h"
@@ -24,7 +25,7 @@ constexpr double kPerhapsFlat = 0x1p-98;
 /// A corner of the triangle, as the query sees it.
 struct Corner {
   const Vector3d& position;  ///< [m]
-  double squared_distance;   ///< [m^2] from the query
+  double squared_distance;   ///< [m^2] from the query, about: it tells which corner is the nearest
   int slot;                  ///< 0, 1, 2: it is a, b, c
 };
 
@@ -51,8 +52,7 @@ bool isNearer(const Corner& left, const Corner& right) {
 Corners3 cornersSeenFrom(const Vector3d& query, const Vector3d& a, const Vector3d& b,
                          const Vector3d& c) {
   const auto corner = [&query](const Vector3d& position, int slot) {
-    const Vector3d offset = position - query;
-    return Corner{position, squaredLength(offset), slot};
+    return Corner{position, squaredLength(position - query), slot};
   };
   return {corner(a, 0), corner(b, 1), corner(c, 2)};
 }
@@ -71,6 +71,7 @@ struct View {
         left(next),
         right(last),
         offset(base.position - query),
+        lost(lostOf(offset, base.position, query)),
         to_left(left.position - base.position),
         to_right(right.position - base.position) {}
 
@@ -79,6 +80,7 @@ struct View {
   const Corner& left;
   const Corner& right;
   Vector3d offset;             ///< [m] from the query to base
+  Vector3d lost;               ///< [m] of that, by rounding
   Vector3d to_left, to_right;  ///< [m]
 };
 
@@ -90,9 +92,9 @@ Eigen::Map<const Vector3d> unit(const Corner& corner) {
   return Eigen::Map<const Vector3d>(kUnits[static_cast<std::size_t>(corner.slot)].data());
 }
 
-Candidate atCorner(const Corner& corner) {
-  return {&corner, Vector3d::Zero(), corner.squared_distance, unit(corner),
-          static_cast<Feature>(corner.slot)};
+Candidate atBase(const View& view) {
+  return {&view.base, Vector3d::Zero(), view.base.squared_distance, unit(view.base),
+          static_cast<Feature>(view.base.slot)};
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -107,13 +109,14 @@ Feature featureOf(const Vector3d& barycentric) {
 void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& farther,
                   Candidate& best) {
   const Vector3d offset = nearer.position - query;
+  const Vector3d lost = lostOf(offset, nearer.position, query);
   const Vector3d edge = farther.position - nearer.position;
   const double along = -offset.dot(edge);
   if (!(along > 0)) return;
   const double t = along / squaredLength(edge);
   if (!(t < 1)) return;
   const Vector3d step = t * edge;
-  const double squared_distance = squaredLength(offset + step);
+  const double squared_distance = squaredLength(offset + (step + lost));
   if (!(squared_distance < best.squared_distance)) return;
   const Vector3d weights = (1 - t) * unit(nearer) + t * unit(farther);
   best = {&nearer, step, squared_distance, weights, featureOf(weights)};
@@ -150,65 +153,50 @@ Products inSafeUnit(const View& view) {
   return {factor * view.offset, factor * view.to_left, factor * view.to_right};
 }
 
-/// A point inside the face, reached from the nearest corner.
-struct Inside {
-  double base, left, right;  ///< weights
-  Vector3d step;             ///< [m]
-  double squared_distance;   ///< [m^2]
+/// Of left and right, and of what is left over for the nearest corner.
+struct Weights {
+  Weights(double of_left, double of_right)
+      : left(of_left), right(of_right), base(1 - (of_left + of_right)) {}
 
+  bool areInside() const { return left > 0 && right > 0 && base > 0; }
+  Vector3d step(const View& view) const { return left * view.to_left + right * view.to_right; }
   Vector3d barycentric(const View& view) const {
     return base * unit(view.base) + left * unit(view.left) + right * unit(view.right);
   }
+
+  double left, right, base;
 };
 
-/// The point with these weights of left and right; false if it is not inside the face, or no nearer
-/// than the best so far. Not called, as most that is measured passes here.
-[[gnu::always_inline]] inline bool stepInside(const View& view, double s, double t, double best,
-                                              Inside& inside) {
-  const double rest = 1 - (s + t);
-  if (!(s > 0 && t > 0 && rest > 0)) return false;
-  const Vector3d step = s * view.to_left + t * view.to_right;
-  inside = {rest, s, t, step, squaredLength(view.offset + step)};
-  return inside.squared_distance < best;
-}
-
 void considerFace(const View& view, Candidate& best) {
-  const auto& [query, base, left, right, offset, to_left, to_right] = view;
+  const auto& [query, base, left, right, offset, lost, to_left, to_right] = view;
   if (base.position == left.position || left.position == right.position) return;
   const std::optional<Vector2d> weights = accuratePlaneCoordinates(-offset, to_left, to_right);
   if (!weights) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return;
-  Inside inside;
-  if (!stepInside(view, weights->x(), weights->y(), best.squared_distance, inside)) return;
-  best = {&base, inside.step, inside.squared_distance, inside.barycentric(view), Feature::kFace};
+  const Weights inside(weights->x(), weights->y());
+  if (!inside.areInside()) return;
+  const Vector3d step = inside.step(view);
+  const double squared_distance = squaredLength(offset + (step + lost));
+  if (squared_distance < best.squared_distance)
+    best = {&base, step, squared_distance, inside.barycentric(view), Feature::kFace};
 }
 
 /// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
 /// query clearly above the face.
 constexpr double kFairlyShaped = 0x1p-4;
 
-/// What plain products make of the face.
-enum class Plainly : std::uint8_t { kInside, kBeside, kUnclear };
-
 /// Most triangles are well shaped: where the query is clearly above such a face, plain products
-/// tell accurately enough what is below it, and steps there. Their rounding moves that, along the
-/// face, by less than 2^10*u of the way to the nearest corner; that changes the distance, which is
-/// 2^-20 of that way or more, by less than 2^-13*u of it.
-[[gnu::always_inline]] inline Plainly stepPlainly(const View& view, const Products& products,
-                                                  Inside& inside) {
+/// tell accurately enough what is below it. Their rounding moves that, along the face, by less than
+/// 2^10*u of the way to the nearest corner; that changes the distance, which is 2^-20 of that way
+/// or more, by less than 2^-13*u of it.
+[[gnu::always_inline]] inline std::optional<Weights> plainWeights(const Products& products) {
   const auto& [left, right, both, along_left, along_right] = products;
   const double edges = left * right;
   const double squared_normal = edges - both * both;
-  if (!products.areComparable() || !(squared_normal > kFairlyShaped * edges))
-    return Plainly::kUnclear;
-  const double s = (both * along_right - right * along_left) / squared_normal;
-  const double t = (both * along_left - left * along_right) / squared_normal;
-  const Vector3d offset = view.offset + (s * view.to_left + t * view.to_right);
-  if (!(squaredLength(offset) > kNearlyNothing * view.base.squared_distance))
-    return Plainly::kUnclear;
-  return stepInside(view, s, t, view.base.squared_distance, inside) ? Plainly::kInside
-                                                                    : Plainly::kBeside;
+  if (!products.areComparable() || !(squared_normal > kFairlyShaped * edges)) return std::nullopt;
+  return Weights((both * along_right - right * along_left) / squared_normal,
+                 (both * along_left - left * along_right) / squared_normal);
 }
 
 /// REQUIRES: of the corners of `view`, left is not farther than right.
@@ -218,22 +206,37 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.query, view.left, view.right, best);
 }
 
-/// What plain products have not found inside the face: beside a well-shaped one nothing is.
-void considerBeside(const View& view, Plainly plainly, Candidate& best) {
-  const View ordered =
-      isNearer(view.left, view.right) ? view : View(view.query, view.base, view.right, view.left);
-  considerEdges(ordered, best);
-  if (plainly == Plainly::kUnclear) considerFace(ordered, best);
-}
-
 /// To where a step from a corner leads, which rounding may not carry out of the triangle's box;
 /// leaves out weights and feature. Not called, so that a step just found is not stored and loaded.
+/// Where nearly all of the offset lies along one axis, rounding takes most: 1*u by its sum, 1.5*u
+/// by the square and the sums of squares, 1*u by the root. So does the difference of corner and
+/// query, unless that is given back; it is wherever candidates are compared, too.
 [[gnu::always_inline]] inline void goTo(const Vector3d& corner, const Vector3d& step,
                                         const Vector3d& query, const Box& box,
                                         ClosestPoint& closest) {
-  closest.offset = ((corner - query) + step).cwiseMax(box.low - query).cwiseMin(box.high - query);
+  const Vector3d offset = corner - query;
+  closest.offset = (offset + (step + lostOf(offset, corner, query)))
+                       .cwiseMax(box.low - query)
+                       .cwiseMin(box.high - query);
   closest.point = (corner + step).cwiseMax(box.low).cwiseMin(box.high);
   closest.squared_distance = squaredLength(closest.offset);
+}
+
+/// What is nearest on the edges, and, where that is not clear, inside the face. Not written into
+/// the caller, which seldom asks.
+[[gnu::noinline]] ClosestPoint closestBeside(const Vector3d& query, const Corner& base,
+                                             const Corner& left, const Corner& right, bool face_too,
+                                             const Box& box) {
+  const View view =
+      isNearer(left, right) ? View(query, base, left, right) : View(query, base, right, left);
+  Candidate best = atBase(view);
+  considerEdges(view, best);
+  if (face_too) considerFace(view, best);
+  ClosestPoint closest;
+  goTo(best.base->position, best.step, query, box, closest);
+  closest.barycentric = best.barycentric;
+  closest.feature = best.feature;
+  return closest;
 }
 
 }  // namespace
@@ -298,27 +301,26 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Vector3d& a, co
   const std::size_t nearest = nearestOf(corners);
   const View view(query, corners[nearest], corners[nearest == 2 ? 0 : nearest + 1],
                   corners[nearest == 0 ? 2 : nearest - 1]);
-  Candidate best = atCorner(view.base);
   const Products products(view.offset, view.to_left, view.to_right);
   if (products.along_left >= 0 && products.along_right >= 0 && products.areSafe()) {
-    return {view.base.position, view.offset, best.barycentric, best.feature,
+    return {view.base.position, view.offset, unit(view.base), static_cast<Feature>(view.base.slot),
             view.base.squared_distance};
   }
-  Inside inside;
-  const Plainly plainly =
-      stepPlainly(view, products.areSafe() ? products : inSafeUnit(view), inside);
-  ClosestPoint closest;
-  if (plainly == Plainly::kInside) {
-    goTo(view.base.position, inside.step, query, boxOf(a, b, c), closest);
-    closest.barycentric = inside.barycentric(view);
-    closest.feature = Feature::kFace;
-    return closest;
+  const Box box = boxOf(a, b, c);
+  bool is_clear = false;
+  const std::optional<Weights> weights =
+      plainWeights(products.areSafe() ? products : inSafeUnit(view));
+  if (weights) {
+    ClosestPoint closest;
+    goTo(view.base.position, weights->step(view), query, box, closest);
+    is_clear = closest.squared_distance > kNearlyNothing * view.base.squared_distance;
+    if (is_clear && weights->areInside() && closest.squared_distance < view.base.squared_distance) {
+      closest.barycentric = weights->barycentric(view);
+      closest.feature = Feature::kFace;
+      return closest;
+    }
   }
-  considerBeside(view, plainly, best);
-  goTo(best.base->position, best.step, query, boxOf(a, b, c), closest);
-  closest.barycentric = best.barycentric;
-  closest.feature = best.feature;
-  return closest;
+  return closestBeside(query, view.base, view.left, view.right, !is_clear, box);
 }
 
 }  // namespace organ_collision::core

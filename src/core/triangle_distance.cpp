@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/accurate_offset.h"
 #include "core/plane_coordinates.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/triangle_intersection.h"
@@ -85,6 +86,7 @@ Box offsetsBetween(const Body& first, const Body& second) {
 /// The nearest points of two edges, if both are inside. The offset is kept within `offsets`.
 std::optional<ClosestPair> insideEdges(const Edge& first, const Edge& second, const Box& offsets) {
   const Vector3d between = second.start - first.start;
+  const Vector3d lost = lostOf(between, second.start, first.start);
   const std::optional<Vector2d> weights = planeCoordinates(between, first.along, -second.along);
   if (!weights || !inside(weights->x()) || !inside(weights->y())) return std::nullopt;
   const Vector3d step_on_first = weights->x() * first.along;
@@ -92,8 +94,9 @@ std::optional<ClosestPair> insideEdges(const Edge& first, const Edge& second, co
   ClosestPair pair;
   pair.point_on_first = first.start + step_on_first;
   pair.on_second.point = second.start + step_on_second;
-  pair.on_second.offset =
-      (between + (step_on_second - step_on_first)).cwiseMax(offsets.low).cwiseMin(offsets.high);
+  pair.on_second.offset = (between + ((step_on_second - step_on_first) + lost))
+                              .cwiseMax(offsets.low)
+                              .cwiseMin(offsets.high);
   pair.on_second.barycentric.setZero();
   pair.on_second.barycentric[second.from] = 1 - weights->y();
   pair.on_second.barycentric[second.to] = weights->y();

@@ -28,9 +28,7 @@ double extentOf(const Vector3d& query, const Triangle& t) {
   return std::max({(t.a - query).norm(), (t.b - query).norm(), (t.c - query).norm()});
 }
 
-exact::Real distanceOf(const ClosestPoint& closest) {
-  return sqrt(exact::Real(closest.squared_distance));
-}
+exact::Real distanceOf(const ClosestPoint& closest) { return std::sqrt(closest.squared_distance); }
 
 /// [u * extent]
 double errorOf(const Vector3d& query, const Triangle& t) {
@@ -132,6 +130,21 @@ TEST(ClosestPoint, IsCorrectedWhereTheQueryNearlyTouchesTheFace) {
                         {0x1.a8f873af8e3f5p-4, -0x1.380fc57a96b05p-2, 0x1.76dc1e55374dap-1},
                         {0x1.a8f8729d4191bp-4, -0x1.380fc7c5130eep-2, 0x1.76dc1dbb63f0dp-1}};
   EXPECT_LE(errorOf(query, needle), kPromise);
+}
+
+TEST(ClosestPoint, KeepsWhatTheDifferenceOfQueryAndCornerLoses) {
+  // found by climbing, where every rounding takes most: 4.48 u * extent without that,
+  const Vector3d query{0x1.812cdec126311p-1, 0x1.c00700cbbbfa7p+0, 0x1.492d17911ea95p-7};
+  const Triangle small{{0x1.81bf4c47c4c61p-1, 0x1.7ff233935caf8p-1, 0x1.4de4b07219e9ap-7},
+                       {0x1.8553ae844259p-1, 0x1.8003a19fbf4e7p-1, -0x1.0a6cba9cbd3e2p-9},
+                       {0x1.8695e422155f6p-1, 0x1.800212982969fp-1, -0x1.4fe99f93e958cp-11}};
+  EXPECT_LE(errorOf(query, small), kPromise);
+  // and 4.23 where candidates are compared without
+  const Vector3d other{0x1.87a697205ad4p-1, 0x1.c66e38ac7ea5p+0, 0x1.5a9e8a4e50e5ap-5};
+  const Triangle fair{{0x1.819893f5365d3p-1, 0x1.7ef14cd795da1p-1, -0x1.755f4ca77bb9p-7},
+                      {0x1.7f9c7f58ee50bp-1, 0x1.7ec110a395fc1p-1, -0x1.5e5dbba89d5bp-10},
+                      {0x1.8398eb4ab5857p-1, 0x1.7ea527e43f3c3p-1, 0x1.4d475863c907fp-11}};
+  EXPECT_LE(errorOf(other, fair), kPromise);
 }
 
 TEST(ClosestPoint, ReferenceKnowsHandMadeDistances) {

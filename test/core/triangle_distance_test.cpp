@@ -36,8 +36,7 @@ double extentOf(const Triangle& first, const Triangle& second) {
 double errorOf(const Triangle& first, const Triangle& second) {
   const double extent = extentOf(first, second);
   if (extent == 0) return 0;
-  const exact::Real distance =
-      sqrt(exact::Real(closestPoints(first, second).on_second.squared_distance));
+  const exact::Real distance = std::sqrt(closestPoints(first, second).on_second.squared_distance);
   return static_cast<double>(abs(distance - exact::distance(first, second)) / (kUnit * extent));
 }
 
@@ -145,6 +144,23 @@ TEST(ClosestPoints, OfEdgesThatPassNearlySideBySideAreAsGood) {
   };
   forEachOrder(segment, beside, is_good);
   forEachOrder(first, second, is_good);
+}
+
+TEST(ClosestPoints, KeepWhatTheDifferenceOfStartsLoses) {
+  // found by climbing: without that 4.28 u * extent,
+  const Triangle first{{0x1.7f30e3c9c763ap-1, 0x1.7ff0181983185p-1, -0x1.8dd1d4086c57p-14},
+                       {0x1.43cb46e644d17p-1, 0x1.7fed8347c0552p-1, 0x1.ab4e35241b674p-5},
+                       {0x1.70ca4f508943fp-1, 0x1.7a2fa0aa4e612p-1, 0x1.24d83748d0e02p-3}};
+  const Triangle second{{0x1.85d9d2a21a86ep-1, 0x1.c00670c14adc2p+0, 0x1.3812368474568p-4},
+                        {0x1.7ffff29f1fba1p-1, 0x1.bffff4a1aa925p+0, -0x1.73f0eff802696p-24},
+                        {0x1.6fb61f9a31729p-1, 0x1.bfb66c4f0ce57p+0, 0x1.c5ec4f7af3798p-3}};
+  EXPECT_LE(errorOf(first, second), kPromise);
+  // and 4.37 between segments
+  const Vector3d end{0x1.812bf4e5a13c6p-1, 0x1.8019b5f77443dp-1, 0x1.90f0a6ceae924p-7};
+  const Vector3d other_end{0x1.780309095de68p-1, 0x1.c01035420e3fp+0, 0x1.85ad8adb3fd37p-8};
+  const Vector3d start{0x1.82c6bbbb8d3d4p-1, 0x1.801ecccb7bf66p-1, 0x1.ef4435a11ead5p-10};
+  const Vector3d other_start{0x1.78e0c80f92791p-1, 0x1.c013534e73acbp+0, 0x1.b4278e09f7407p-7};
+  EXPECT_LE(errorOf({start, end, end}, {other_start, other_end, other_end}), kPromise);
 }
 
 TEST(ClosestPoints, DistanceIsAsGoodAtTheExtremesOfScale) {

@@ -31,9 +31,9 @@ struct ClosestPoint {
 /// corners. Zero-area triangles are the segment or the point that they are, decided exactly: they
 /// have no face.
 ///
-/// The root of squared_distance is within 4*u*extent of the distance, for needles, caps and mixed
-/// scales alike (u = 2^-53, extent = longest vector from the query to a corner; the worst that a
-/// search for bad cases found is 3.6).
+/// The computed root of squared_distance is within 4*u*extent of the distance, for needles, caps
+/// and mixed scales alike (u = 2^-53, extent = longest vector from the query to a corner; measured:
+/// docs/stability.md).
 /// Input below kLargestCoordinate never gives NaN. Scaling it by a power of two scales the answer
 /// and changes no other bit, unless a square underflows (distances below 1e-150 m). `offset` lies
 /// within the box of the corners relative to the query, rounded: no box bound on a set of

@@ -26,8 +26,9 @@ struct NearestPair {
 /// the middle of the first's box, and back. Throws std::invalid_argument for an accuracy that is
 /// not usable, or a pose that is not rigid.
 ///
-/// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where one
-/// vertex is so far astray that all others are; least where the surfaces meet. Besides, for the
+/// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where all
+/// are, but for rounding: beyond 2^45 sizes, or beside a vertex that is so far astray; least where
+/// the surfaces meet. Besides, for the
 /// sign, a winding number for each part of one that may be inside the other's solid. docs/scenes.md
 /// has measured ones. Does not allocate once the thread has seen its widest search, but where
 /// surfaces are as near as rounding, or were torn at their welds.

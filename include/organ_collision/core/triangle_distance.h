@@ -15,9 +15,9 @@ struct ClosestPair {
 /// (decided exactly), else the least of 6 vertex-face and 9 edge-edge distances. Zero-area
 /// triangles are the segment or the point that they are.
 ///
-/// The root of squared_distance is within 4*u*extent of the distance (u = 2^-53, extent = longest
-/// vector between two of the six corners; measured: docs/stability.md), a common point within
-/// 4*u*(extent + largest coordinate) of both triangles.
+/// The computed root of squared_distance is within 4*u*extent of the distance (u = 2^-53, extent =
+/// longest vector between two of the six corners; measured: docs/stability.md), a common point
+/// within 4*u*(extent + largest coordinate) of both triangles.
 /// Never NaN, scales by powers of two like closestPointOnTriangle().
 /// `on_second.offset` lies within the difference of the two triangles' boxes, rounded: no
 /// box-to-box bound computed in the same arithmetic can exceed the distance returned here.
