@@ -35,6 +35,7 @@ using Corners3 = std::array<Corner, 3>;
 struct Candidate {
   const Corner* base;
   Vector3d step;            ///< [m]
+  Vector3d lost;            ///< [m] of the offset of the corner
   double squared_distance;  ///< [m^2]
   Vector3d barycentric;     ///< in the order of the triangle's corners
   Feature feature;
@@ -71,17 +72,18 @@ struct View {
         left(next),
         right(last),
         offset(base.position - query),
-        lost(lostOf(offset, base.position, query)),
         to_left(left.position - base.position),
-        to_right(right.position - base.position) {}
+        to_right(right.position - base.position),
+        lost(lostOf(offset, base.position, query,
+                    std::max(squaredLength(to_left), squaredLength(to_right)))) {}
 
   const Vector3d& query;
   const Corner& base;
   const Corner& left;
   const Corner& right;
   Vector3d offset;             ///< [m] from the query to base
-  Vector3d lost;               ///< [m] of that, by rounding
   Vector3d to_left, to_right;  ///< [m]
+  Vector3d lost;               ///< [m] of the offset
 };
 
 /// The weights at a corner. Others are sums of these: written one by one, they would be loaded as
@@ -93,8 +95,9 @@ Eigen::Map<const Vector3d> unit(const Corner& corner) {
 }
 
 Candidate atBase(const View& view) {
-  return {&view.base, Vector3d::Zero(), view.base.squared_distance, unit(view.base),
-          static_cast<Feature>(view.base.slot)};
+  return {&view.base,       Vector3d::Zero(),
+          Vector3d::Zero(), view.base.squared_distance,
+          unit(view.base),  static_cast<Feature>(view.base.slot)};
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -109,17 +112,18 @@ Feature featureOf(const Vector3d& barycentric) {
 void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& farther,
                   Candidate& best) {
   const Vector3d offset = nearer.position - query;
-  const Vector3d lost = lostOf(offset, nearer.position, query);
   const Vector3d edge = farther.position - nearer.position;
   const double along = -offset.dot(edge);
   if (!(along > 0)) return;
-  const double t = along / squaredLength(edge);
+  const double squared_edge = squaredLength(edge);
+  const double t = along / squared_edge;
   if (!(t < 1)) return;
   const Vector3d step = t * edge;
+  const Vector3d lost = lostOf(offset, nearer.position, query, squared_edge);
   const double squared_distance = squaredLength(offset + (step + lost));
   if (!(squared_distance < best.squared_distance)) return;
   const Vector3d weights = (1 - t) * unit(nearer) + t * unit(farther);
-  best = {&nearer, step, squared_distance, weights, featureOf(weights)};
+  best = {&nearer, step, lost, squared_distance, weights, featureOf(weights)};
 }
 
 /// False only where there is an area for sure.
@@ -168,7 +172,7 @@ struct Weights {
 };
 
 void considerFace(const View& view, Candidate& best) {
-  const auto& [query, base, left, right, offset, lost, to_left, to_right] = view;
+  const auto& [query, base, left, right, offset, to_left, to_right, lost] = view;
   if (base.position == left.position || left.position == right.position) return;
   const std::optional<Vector2d> weights = accuratePlaneCoordinates(-offset, to_left, to_right);
   if (!weights) return;
@@ -179,7 +183,7 @@ void considerFace(const View& view, Candidate& best) {
   const Vector3d step = inside.step(view);
   const double squared_distance = squaredLength(offset + (step + lost));
   if (squared_distance < best.squared_distance)
-    best = {&base, step, squared_distance, inside.barycentric(view), Feature::kFace};
+    best = {&base, step, lost, squared_distance, inside.barycentric(view), Feature::kFace};
 }
 
 /// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
@@ -209,15 +213,13 @@ void considerEdges(const View& view, Candidate& best) {
 /// To where a step from a corner leads, which rounding may not carry out of the triangle's box;
 /// leaves out weights and feature. Not called, so that a step just found is not stored and loaded.
 /// Where nearly all of the offset lies along one axis, rounding takes most: 1*u by its sum, 1.5*u
-/// by the square and the sums of squares, 1*u by the root. So does the difference of corner and
-/// query, unless that is given back; it is wherever candidates are compared, too.
+/// by the square and the sums of squares, 1*u by the root. So would the difference of corner and
+/// query, if what it lost were not given back, wherever candidates are compared.
 [[gnu::always_inline]] inline void goTo(const Vector3d& corner, const Vector3d& step,
-                                        const Vector3d& query, const Box& box,
+                                        const Vector3d& lost, const Vector3d& query, const Box& box,
                                         ClosestPoint& closest) {
-  const Vector3d offset = corner - query;
-  closest.offset = (offset + (step + lostOf(offset, corner, query)))
-                       .cwiseMax(box.low - query)
-                       .cwiseMin(box.high - query);
+  closest.offset =
+      ((corner - query) + (step + lost)).cwiseMax(box.low - query).cwiseMin(box.high - query);
   closest.point = (corner + step).cwiseMax(box.low).cwiseMin(box.high);
   closest.squared_distance = squaredLength(closest.offset);
 }
@@ -233,7 +235,7 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdges(view, best);
   if (face_too) considerFace(view, best);
   ClosestPoint closest;
-  goTo(best.base->position, best.step, query, box, closest);
+  goTo(best.base->position, best.step, best.lost, query, box, closest);
   closest.barycentric = best.barycentric;
   closest.feature = best.feature;
   return closest;
@@ -312,7 +314,7 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Vector3d& a, co
       plainWeights(products.areSafe() ? products : inSafeUnit(view));
   if (weights) {
     ClosestPoint closest;
-    goTo(view.base.position, weights->step(view), query, box, closest);
+    goTo(view.base.position, weights->step(view), view.lost, query, box, closest);
     is_clear = closest.squared_distance > kNearlyNothing * view.base.squared_distance;
     if (is_clear && weights->areInside() && closest.squared_distance < view.base.squared_distance) {
       closest.barycentric = weights->barycentric(view);

@@ -86,7 +86,8 @@ Box offsetsBetween(const Body& first, const Body& second) {
 /// The nearest points of two edges, if both are inside. The offset is kept within `offsets`.
 std::optional<ClosestPair> insideEdges(const Edge& first, const Edge& second, const Box& offsets) {
   const Vector3d between = second.start - first.start;
-  const Vector3d lost = lostOf(between, second.start, first.start);
+  const Vector3d lost = lostOf(between, second.start, first.start,
+                               2 * std::max(first.squared_length, second.squared_length));
   const std::optional<Vector2d> weights = planeCoordinates(between, first.along, -second.along);
   if (!weights || !inside(weights->x()) || !inside(weights->y())) return std::nullopt;
   const Vector3d step_on_first = weights->x() * first.along;
