@@ -34,8 +34,8 @@ class FrontWalk {
   FrontWalk(Search& search, typename Nearest::Room& room, const FrontKeeper<kCorners>& keeper)
       : search_(search), front_(*search.front), nearest_(search, room), keeper_(keeper) {}
 
-  /// Of a chain of kept sets that are within reach, the first of which not only the triangle that
-  /// was nearest is, which is measured; or none.
+  /// The first of a chain of kept sets of which more is within reach than the triangle that was
+  /// nearest, which is measured; or none.
   static std::uint32_t firstInDoubt(const Search& search, std::uint32_t i) {
     const Front& front = *search.front;
     while (i != KeptSets::kNone && isPacket(front.kept[i]) &&
