@@ -7,8 +7,8 @@
 namespace organ_collision::core {
 
 /// What rounding took of offset = end - start, exactly but for underflow: to be added to a step
-/// from there, whose squared length is at most `squared_step`. Nothing where that may be long: all
-/// else that rounding takes is then less beside the extent, and such a step leads to what is
+/// from there, whose squared length is about `squared_step` at most. Nothing where that is long:
+/// all else that rounding takes is then less beside the extent, and such a step leads to what is
 /// nearest from where rounding has put the offset.
 /// Source: D. Knuth, "The Art of Computer Programming" 2 (1969), 4.2.2.
 inline Eigen::Vector3d lostOf(const Eigen::Vector3d& offset, const Eigen::Vector3d& end,

@@ -25,7 +25,7 @@ constexpr double kPerhapsFlat = 0x1p-98;
 /// A corner of the triangle, as the query sees it.
 struct Corner {
   const Vector3d& position;  ///< [m]
-  double squared_distance;   ///< [m^2] from the query, about: it tells which corner is the nearest
+  double squared_distance;   ///< [m^2] from the query
   int slot;                  ///< 0, 1, 2: it is a, b, c
 };
 
