@@ -108,7 +108,6 @@ void CollisionMesh::updateHealth(const Box& box) {
   if (isPerhapsFlat()) tally.volume = volumeOf(mesh_, wide_tree_.frame());
   health_ = healthOf(*topology_, box, tally, parted_corners_);
   outermost_ = topology_->outermost(mesh_);
-  box_is_stale_ = false;
 }
 
 void CollisionMesh::refit(const std::vector<VertexId>& moved, const Points& positions) {
@@ -140,10 +139,9 @@ void CollisionMesh::refitSome(const std::vector<VertexId>& moved, const Points& 
   positions_number_ = freshNumber();
   // Of vertices without a triangle, none reaches a face.
   const Box after = mesh_.usesAllVertices() ? box_of_moved() : Box();
-  box_is_stale_ = box_is_stale_ || leavesFace(before, after, health_.box);
   if (topology_->hasWelds()) parted_corners_ += partedCorners(touched, mesh_, *topology_);
 
-  Box box = box_is_stale_ ? boxOf(mesh_) : health_.box;
+  Box box = leavesFace(before, after, health_.box) ? boxOf(mesh_) : health_.box;
   if (mesh_.usesAllVertices()) {
     box.add(after);
   } else {

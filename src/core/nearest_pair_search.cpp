@@ -19,6 +19,13 @@ constexpr double kTooFar = 0x1p60;
 /// Sizes of a surface: where all of the other is farther, its triangles are equally far but for
 /// rounding of 4*u*extent, and any of them will do.
 constexpr double kAllAlike = 0x1p58;
+/// Of a surface's size: how far single precision moves its corners.
+constexpr double kPlaces = 0x1p-22;
+/// Of the smaller surface: where rounding moves the other by more, hardly any pair of triangles can
+/// be left out.
+constexpr double kMuch = 0x1p-6;
+/// Pairs that are looked at there, which takes some hundredths of a second.
+constexpr std::uint32_t kMostBlurred = 1U << 16U;
 
 double largestCoordinate(const std::array<double, 3>& v) {
   return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -66,7 +73,9 @@ NearestPairSearch::NearestPairSearch(const CollisionMesh& first_surface,
   first = {first_.wideTree().nodes().data(), first_.wideTree().packets().data()};
   second = {second_.wideTree().nodes().data(), second_.wideTree().packets().data()};
   placeFrames();
-  pairs_left = is_limited_ ? accuracy.max_leaves : std::numeric_limits<std::uint32_t>::max();
+  pairs_left = is_limited_   ? accuracy.max_leaves
+               : isBlurred() ? kMostBlurred
+                             : std::numeric_limits<std::uint32_t>::max();
   // A packet is a level too.
   stack = pairScratch(first_.wideTree().depth() + second_.wideTree().depth() + 2).data();
   PairSearch::measure = [](PairSearch& search, FarthestPairTree::Leaf leaf_of_first,
@@ -96,6 +105,10 @@ NearestPair NearestPairSearch::run() {
 bool NearestPairSearch::isTooFar() const {
   return !(largestCoordinate(second_from_first.offset) < kTooFar) ||
          !(largestCoordinate(first_from_second.offset) < kTooFar);
+}
+
+bool NearestPairSearch::isBlurred() const {
+  return rounding + kPlaces * (1.0 + largest_scale) > kMuch * std::min(1.0, least_scale);
 }
 
 /// Not so of a surface that is huge beside the other and about it, as with one vertex astray.

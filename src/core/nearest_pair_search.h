@@ -27,6 +27,10 @@ class NearestPairSearch : protected PairSearch {
   /// For its boxes: then no more is told than going to and fro does.
   bool isTooFar() const;
 
+  /// Beside the distance or the size of one surface the other is so small that hardly any pair of
+  /// triangles can be left out.
+  bool isBlurred() const;
+
   /// Of two surfaces that have shrunk to points, all triangles are equally far, bit for bit.
   bool areAllAlike() const;
 

@@ -74,9 +74,6 @@ void addSign(const CollisionMesh& organ, const Eigen::Vector3d& corner, const Su
 /// Room for what waits while a tree is searched; the calling thread's.
 const FrontierRoom& roomFor(const WideTree& tree);
 
-/// Beyond this many sizes of the organ squares could overflow: there all triangles are measured.
-constexpr double kBeyond = 0x1p400;
-
 /// More than that are not to be found in a core's own cache.
 constexpr std::size_t kUncachedPackets = 1U << 12U;
 

@@ -46,7 +46,7 @@ class TrackedPairSearch : private NearestPairSearch {
 
   /// Nothing where the surfaces meet, or are too far apart or too small to tell triangles apart.
   std::optional<NearestPair> run() {
-    if (isTooFar() || areAllAlike()) return std::nullopt;
+    if (isTooFar() || isBlurred() || areAllAlike()) return std::nullopt;
     if (const std::optional<double> step = this->step()) {
       measure(memory_.leaf_of_first, memory_.leaf_of_second);
       if (!follow(*step)) walk(*step);

@@ -207,7 +207,7 @@ class TrackedSearch : private NearestSearch<Tip> {
 
 }  // namespace
 
-Tracker::Tracker() : memory_(std::make_unique<Memory>()) {}
+Tracker::Tracker() = default;
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
@@ -215,6 +215,7 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Eigen::Vector3d& tip, Sign sign) {
   requireUsable(tip, "tip", 0);
+  if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
   NearestTriangle nearest;
   TrackedSearch(organ, PointTip(tip), travel, sign, *memory_, nearest).run();
   return nearest;
@@ -223,6 +224,7 @@ NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double trav
 NearestTriangle Tracker::nearestTriangle(const CollisionMesh& organ, double travel,
                                          const Triangle& tip, Sign sign) {
   requireUsable(tip);
+  if (memory_ == nullptr) memory_ = std::make_unique<Memory>();
   NearestTriangle nearest;
   TrackedSearch(organ, TriangleTip(tip), travel, sign, *memory_, nearest).run();
   return nearest;

@@ -28,7 +28,6 @@ void forEachNear(const WideTree& tree, const Eigen::Vector3d& point, double radi
   constexpr double kLargestOfTree = 8.0;  // the sum of three, each below 2
   const double coordinates = unit_point.lpNorm<1>() + kLargestOfTree;
   const double reach = radius * tree.frame().scale + kRounding * coordinates;
-  constexpr double kBeyond = 0x1p400;  // there squares could overflow
   const auto is_near = [&, all = !(coordinates < kBeyond)](const Box& box) {
     return all || std::sqrt(squaredDistance(box, unit_point)) <= reach;
   };

@@ -19,10 +19,12 @@ namespace {
 constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
+constexpr double kMeshInfoPeriod = 0.1;     // [s] at which refused updates are told
+constexpr double kComplaintPeriod = 0.1;    // [s]
 constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
 constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
 constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether it knows this node
-constexpr unsigned kSpinnerThreads = 4;   // of each: what takes long keeps not all others waiting
+constexpr unsigned kSpinnerThreads = 4;   // for questions, and as many for ~update_mesh
 constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kProximitiesQueue = 10;
@@ -54,7 +56,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       reconfigure_(reconfigure_mutex_, private_node),
       markers_(scene_, instruments_, organs_),
       diagnostics_(node, private_node, organs_, troubles_, [this] { return lastCycle(); }),
-      mesh_updates_(organs_, troubles_.update_refusals, [this] { publishMeshInfo(); }),
+      mesh_updates_(organs_, troubles_.update_refusals, [this] { mesh_info_is_old_ = true; }),
       services_(organs_, buffer_, [this] { publishMeshInfo(); }),
       change_spinner_(kSpinnerThreads, &change_queue_),
       spinner_(kSpinnerThreads) {
@@ -83,6 +85,9 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   };
   every(kMarkerPeriod, [this] { markers_.publish(*lastCycle()); });
   every(kDiagnosticPeriod, [this] { diagnostics_.publish(); });
+  every(kMeshInfoPeriod, [this] {
+    if (mesh_info_is_old_.exchange(false)) publishMeshInfo();
+  });
   every(kMasterPeriod, [this] { master_watch_.check(); });
   master_watch_.check();
   change_spinner_.start();
@@ -160,14 +165,18 @@ void CollisionNode::publishCycle() {
   auto cycle = std::make_shared<Cycle>();
   cycle->contacts = cycle_.contacts(now, accuracy);
   contacts_publisher_.publish(cycle->contacts);
-  cycle->complaints = cycle_.complaints(now);
   if (proximities_publisher_) {
     cycle->proximities = proximity_cycle_.proximities(now, accuracy);
     proximities_publisher_.publish(cycle->proximities);
-    for (Complaint& complaint : proximity_cycle_.complaints(now))
-      cycle->complaints.push_back(std::move(complaint));
   }
-  warn(cycle->complaints);
+  if (const auto steady_now = ros::SteadyTime::now(); steady_now >= complaints_due_) {
+    complaints_due_ = steady_now + ros::WallDuration(kComplaintPeriod);
+    complaints_ = cycle_.complaints(now);
+    for (Complaint& complaint : proximity_cycle_.complaints(now))
+      complaints_.push_back(std::move(complaint));
+    warn(complaints_);
+  }
+  cycle->complaints = complaints_;
   std::shared_ptr<const Cycle> former = std::move(cycle);
   const std::lock_guard<std::mutex> lock(mutex_);
   last_cycle_.swap(former);  // if nobody reads it, it is freed after the lock

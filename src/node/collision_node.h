@@ -69,6 +69,8 @@ class CollisionNode {
   std::vector<ros::Subscriber> tf_subscribers_;
   ContactCycle cycle_;                              // run() alone
   ProximityCycle proximity_cycle_;                  // run() alone
+  std::vector<Complaint> complaints_;               // run() alone
+  ros::SteadyTime complaints_due_;                  // run() alone
   std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
 
   Troubles troubles_;
@@ -80,6 +82,7 @@ class CollisionNode {
   boost::recursive_mutex reconfigure_mutex_;
   dynamic_reconfigure::Server<OrganCollisionConfig> reconfigure_;
   ros::Publisher contacts_publisher_, proximities_publisher_, mesh_info_publisher_;
+  std::atomic<bool> mesh_info_is_old_{false};
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
   MarkerPublisher markers_;     // of a timer alone
   Diagnostics diagnostics_;     // of a timer alone

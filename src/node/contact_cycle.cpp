@@ -76,9 +76,7 @@ ContactArray ContactCycle::contacts(const ros::Time& now, const core::Accuracy& 
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     const io::Pair& pair = scene_.pairs[i];
     array.contacts.push_back(contactOf(pair, *snapshots[pair.organ], tracked_[i], now, accuracy));
-    const PairPose& pose = tracked_[i].pose;
-    if (pose.isKnown() && !pose.isAhead(now))
-      array.header.stamp = std::max(array.header.stamp, pose.stamp());
+    array.header.stamp = std::max(array.header.stamp, tracked_[i].pose.stampOfHeader(now));
   }
   array.computation_time = watch.elapsed();
   return array;

@@ -1,12 +1,20 @@
 #include "node/diagnostics.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace organ_collision::node {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
+
+/// How large the organ is, or how many triangles have no area, is no news.
+std::vector<std::string> kindsOf(const std::vector<std::string>& sentences) {
+  std::vector<std::string> kinds;
+  std::transform(sentences.begin(), sentences.end(), std::back_inserter(kinds), withoutNumbers);
+  return kinds;
+}
 
 /// A warning each time that there are more of them.
 void diagnoseNews(const std::string& what, Incidents& incidents,
@@ -28,7 +36,7 @@ Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& pri
       last_cycle_(std::move(last_cycle)),
       updater_(node, private_node, ros::this_node::getName()) {
   for (const auto& organ : organs)
-    health_told_.push_back(core::warnings(organ->snapshot()->organ.health()));
+    health_told_.push_back(kindsOf(core::warnings(organ->snapshot()->organ.health())));
   updater_.setHardwareID("none");
   updater_.add("contacts", this, &Diagnostics::diagnose);
 }
@@ -71,10 +79,10 @@ void Diagnostics::diagnoseHaste(Status& status) {
 void Diagnostics::diagnoseOrgan(std::size_t number, Status& status) {
   Organ& organ = *organs_[number];
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  std::vector<std::string> sentences = core::warnings(snapshot->organ.health());
+  const std::vector<std::string> sentences = core::warnings(snapshot->organ.health());
   for (const std::string& sentence : sentences)
     status.mergeSummary(DiagnosticStatus::WARN, organ.name() + ": " + sentence);
-  warnOfHealth(number, std::move(sentences));
+  warnOfHealth(number, sentences);
   status.add(organ.name() + " mesh version", snapshot->version);
   status.add(organ.name() + " last action", snapshot->reason);
   const Organ::Builds builds = organ.builds();
@@ -92,15 +100,15 @@ void Diagnostics::diagnoseOrgan(std::size_t number, Status& status) {
 }
 
 /// What an update has brought with it; the rest was told when the organ was loaded.
-void Diagnostics::warnOfHealth(std::size_t organ, std::vector<std::string> sentences) {
+void Diagnostics::warnOfHealth(std::size_t organ, const std::vector<std::string>& sentences) {
   const std::vector<std::string>& known = health_told_[organ];
   const std::string since = "'" + organs_[organ]->name() + "', since it was updated: ";
   for (const std::string& sentence : sentences) {
-    if (std::count(known.begin(), known.end(), sentence) > 0) continue;
+    if (std::count(known.begin(), known.end(), withoutNumbers(sentence)) > 0) continue;
     const std::string warning = since + sentence;
     if (log_.allows(warning)) ROS_WARN("%s", warning.c_str());
   }
-  health_told_[organ] = std::move(sentences);
+  health_told_[organ] = kindsOf(sentences);
 }
 
 }  // namespace organ_collision::node

@@ -40,13 +40,13 @@ class Diagnostics {
   void diagnoseClock(Status& status);
   void diagnoseHaste(Status& status);
   void diagnoseOrgan(std::size_t number, Status& status);
-  void warnOfHealth(std::size_t organ, std::vector<std::string> sentences);
+  void warnOfHealth(std::size_t organ, const std::vector<std::string>& sentences);
 
   const Organs& organs_;
   Troubles& troubles_;
   const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
   std::uint64_t times_behind_told_ = 0;
-  std::vector<std::vector<std::string>> health_told_;  // of the organs
+  std::vector<std::vector<std::string>> health_told_;  // of the organs, without numbers
   LogLimit log_;
   diagnostic_updater::Updater updater_;
 };

@@ -15,7 +15,9 @@ bool isNumber(const std::string& word) {
   return !word.empty() && *end == '\0';
 }
 
-/// Without the words that are numbers, nan and inf too, but for names.
+}  // namespace
+
+/// Nan and inf are numbers, too.
 std::string withoutNumbers(const std::string& text) {
   bool in_name = false;
   std::string kept;
@@ -36,8 +38,6 @@ std::string withoutNumbers(const std::string& text) {
   end_word();
   return kept;
 }
-
-}  // namespace
 
 bool LogLimit::allows(const std::string& text, const ros::SteadyTime& now) {
   for (auto known = silent_until_.begin(); known != silent_until_.end();)

@@ -167,7 +167,7 @@ class ShapePainter {
   void operator()(const core::RigidMesh& mesh) {
     Marker& surface = add(Marker::TRIANGLE_LIST);
     surface.points = cornersOfAll(mesh.surface->mesh());
-    surface.pose = tf2::toMsg(mesh.pose);
+    surface.pose = tf2::toMsg(Eigen::Isometry3d(mesh.pose));
   }
 
   visualization_msgs::MarkerArray take() { return std::move(array_); }

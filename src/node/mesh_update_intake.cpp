@@ -20,10 +20,10 @@ bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
 }  // namespace
 
 MeshUpdateIntake::MeshUpdateIntake(const Organs& organs, Incidents& refusals,
-                                   std::function<void()> publish_mesh_info)
+                                   std::function<void()> tell_refusal)
     : organs_(organs),
       refusals_(refusals),
-      publish_mesh_info_(std::move(publish_mesh_info)),
+      tell_refusal_(std::move(tell_refusal)),
       spinner_(1, &queue_) {}
 
 void MeshUpdateIntake::subscribe(ros::NodeHandle node) {
@@ -66,7 +66,7 @@ void MeshUpdateIntake::enqueue(Organ& organ, const MeshUpdate& update) {
     organ.enqueue(movesFrom(update));
   } catch (const std::exception&) {
     organ.countLostUpdates(1);
-    publish_mesh_info_();
+    tell_refusal_();
     throw;
   }
 }

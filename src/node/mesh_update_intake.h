@@ -18,10 +18,9 @@ namespace organ_collision::node {
 /// each update to its organ, and counts what was refused or lost.
 class MeshUpdateIntake {
  public:
-  /// Both must outlive this. `publish_mesh_info` is called, by that thread, when an organ
+  /// Both must outlive this. `tell_refusal` is called, by that thread, when an organ
   /// has refused an update.
-  MeshUpdateIntake(const Organs& organs, Incidents& refusals,
-                   std::function<void()> publish_mesh_info);
+  MeshUpdateIntake(const Organs& organs, Incidents& refusals, std::function<void()> tell_refusal);
 
   /// Hears from now on what comes to `node`.
   void subscribe(ros::NodeHandle node);
@@ -35,7 +34,7 @@ class MeshUpdateIntake {
 
   const Organs& organs_;
   Incidents& refusals_;
-  const std::function<void()> publish_mesh_info_;
+  const std::function<void()> tell_refusal_;
   SequenceGaps gaps_;
   std::uint64_t missed_ = 0;  // and not yet counted
   LogLimit log_;

@@ -227,7 +227,7 @@ Organ::Refit Organ::catchUp(OrganSnapshot& state, VertexMoves moves) {
   const std::size_t count = missed.vertices.size();
   const std::string figures = ": " + refit_policy_.figures(count);
   if (refit_policy_.prefersPartial(count)) {
-    state.organ.refit(missed.vertices, missed.positions);
+    alone_.execute([&] { state.organ.refit(missed.vertices, missed.positions); });
     refit_policy_.recordPartial(count, watch.elapsed());
     return {Action::kPartialRefit, figures};
   }

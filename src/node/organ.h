@@ -56,7 +56,8 @@ class Organ {
   /// the hierarchy is updated, if `mode` says so. kRebuild returns when the splits have been made
   /// anew after the moves; no query waits for that. Every snapshot taken after it returns has
   /// what it did, and whatever was enqueued before it was called. `expected_version` 0 means any,
-  /// else it must be the current one. Throws what kept it from making the splits it was asked for.
+  /// else it must be the current one. Throws what kept it from making the splits it was asked for;
+  /// then the moves stay.
   Applied update(VertexMoves moves, UpdateMode mode, std::uint32_t expected_version);
 
   /// Takes another mesh, after a cut say. Its hierarchy is built before anybody has to wait for it.
@@ -136,7 +137,7 @@ class Organ {
 
   mutable std::mutex building_;  // of all below; held by whoever makes the next snapshot
   MoveLog log_;
-  tbb::task_arena alone_{1};  // full refits: the other processors are there for queries
+  tbb::task_arena alone_{1};  // refits: the other processors are there for queries
   RefitPolicy refit_policy_;
   RebuildPolicy rebuild_policy_;
   std::shared_ptr<const OrganSnapshot> as_built_;  // the first one with the current splits, or,

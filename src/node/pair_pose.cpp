@@ -85,8 +85,9 @@ bool PairPose::lookUp(const tf2::BufferCore& buffer) {
 
 ros::Duration PairPose::age(const ros::Time& now) const { return ageOf(*second_from_first_, now); }
 
-bool PairPose::isAhead(const ros::Time& now) const {
-  return age(now).toSec() < -TransformIntake::kFarthestAhead;
+ros::Time PairPose::stampOfHeader(const ros::Time& now) const {
+  if (!isKnown() || age(now).toSec() < -TransformIntake::kFarthestAhead) return {};
+  return stamp();
 }
 
 bool PairPose::isLate(const ros::Time& now, double stale_after) const {

@@ -27,6 +27,11 @@ class PairPose {
  public:
   explicit PairPose(PairFrames frames) : frames_(std::move(frames)) {}
 
+  /// For what is published of several pairs: zero if the pose is not known, is static, or is
+  /// farther ahead of the clock than TransformIntake lets pass, as it was told before time jumped
+  /// back.
+  ros::Time stampOfHeader(const ros::Time& now) const;
+
   /// Asks tf; true if the first has moved against the second since the last time, or is static and
   /// both have in the scene, or tf has told both for the first time.
   bool lookUp(const tf2::BufferCore& buffer);
@@ -45,9 +50,6 @@ class PairPose {
   /// Zero for what is static, and so always true; negative if the pose is ahead of the clock; never
   /// more than a Duration can hold.
   ros::Duration age(const ros::Time& now) const;
-
-  /// More than TransformIntake lets pass: it was told before time jumped back.
-  bool isAhead(const ros::Time& now) const;
 
   /// The first's pose, or that of the scene's frame, is not that of now.
   bool isLate(const ros::Time& now, double stale_after) const;

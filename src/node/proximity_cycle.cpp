@@ -54,7 +54,7 @@ Proximity ProximityCycle::measure(Tracked& tracked, const OrganSnapshots& snapsh
   if (of == io::LikePair::Of::kInstruments) {
     const core::Shapes& shapes = instruments_[first].shapes;
     const core::Shapes& others = instruments_[second].shapes;
-    // As all that is followed.
+    // Errors alone stop no search here: contacts and pairs of organs are exact then, too.
     const core::Accuracy kept = accuracy.max_leaves != 0 ? accuracy : core::Accuracy::exact();
     return unlessFar(tracked, core::boxOf(shapes, pose),
                      core::boxOf(others, Eigen::Isometry3d::Identity()),
@@ -110,9 +110,7 @@ ProximityArray ProximityCycle::proximities(const ros::Time& now, const core::Acc
   const OrganSnapshots snapshots = snapshotsOf(organs_);
   for (Tracked& tracked : tracked_) {
     array.proximities.push_back(proximityOf(tracked, snapshots, now, accuracy));
-    const PairPose& pose = tracked.pose;
-    if (pose.isKnown() && !pose.isAhead(now))
-      array.header.stamp = std::max(array.header.stamp, pose.stamp());
+    array.header.stamp = std::max(array.header.stamp, tracked.pose.stampOfHeader(now));
   }
   array.computation_time = watch.elapsed();
   return array;

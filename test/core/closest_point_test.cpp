@@ -147,6 +147,15 @@ TEST(ClosestPoint, KeepsWhatTheDifferenceOfQueryAndCornerLoses) {
   EXPECT_LE(errorOf(other, fair), kPromise);
 }
 
+TEST(ClosestPoint, GivesNothingBackToLongSteps) {
+  // found by climbing: 4.41 u * extent if long steps got what the difference loses, too
+  const Vector3d query{0x1.60ef175ed2beap-2, -0x1.32b8b1c4d365bp-2, -0x1.00f7fb8e660bp-1};
+  const Triangle touched{{0x1.bd8051d5fd208p-2, -0x1.95fc414dd192ap-1, -0x1.00fe0b0ef6196p-1},
+                         {0x1.1p-2, 0x1.0e0fce7c2a8fdp-3, -0x1.00f2af09cda01p-1},
+                         {0x1.20e66bffff8cfp-2, -0x1.7384d0eb3b45p-2, -0x1.afffffffdep-1}};
+  EXPECT_LE(errorOf(query, touched), kPromise);
+}
+
 TEST(ClosestPoint, ReferenceKnowsHandMadeDistances) {
   EXPECT_EQ(exact::distance({0.25, 0.25, 2}, kRight), 2);
   EXPECT_EQ(exact::distance({0.25, -3, 4}, kRight), 5);

@@ -117,6 +117,27 @@ TEST(NearestPair, OfSurfacesInOtherGalaxiesIsRightButForRounding) {
   }
 }
 
+/// All pairs of triangles are about as near: to look at each would take seconds.
+TEST(NearestPair, OfWhatIsTooFarOrTooLargeToTellTrianglesApartAsksNotAllPairs) {
+  const CollisionMesh tool(test::blob(4));
+  CollisionMesh astray = tool;
+  astray.refit({VertexId{5}}, {{0x1p30, 0x1p29, 0.0}});
+  const auto check = [&](const Isometry3d& pose, const CollisionMesh& organ, double least) {
+    const NearestTriangle nearest = nearestPair(tool, pose, organ).nearest;
+    EXPECT_LE(nearest.work.triangles, 100'000U);
+    EXPECT_FALSE(nearest.isExact());
+    EXPECT_LE(nearest.lower_bound, least * (1 + 1e-15));
+    EXPECT_GE(nearest.upper_bound, least * (1 - 1e-15));
+    PairTracker tracker;
+    for (int i = 0; i < 2; ++i)
+      EXPECT_EQ(tracker.nearestPair(tool, 0.0, pose, organ, 0.0).nearest.distance,
+                nearest.distance);
+  };
+  const Box& box = tool.health().box;
+  check(at(0x1p46, 0.0, 0.0), tool, 0x1p46 - (box.high - box.low).x());
+  check(at(0.0, 0.0, 3.0), astray, nearestPair(tool, at(0.0, 0.0, 3.0), tool).nearest.distance);
+}
+
 /// As of a simulation that blew up: beside it the other surface is no more than a point.
 TEST(NearestPair, ProvesNothingOfASurfaceWithAVertexInAnotherGalaxy) {
   std::mt19937 generator(12);

@@ -218,7 +218,7 @@ TEST(LinkPieces, LieWhereTheirOriginSaysInTheirScale) {
       piecesOf(collision(kMesh) + collision(R"(<cylinder radius="0.5" length="3"/>)"));
   const auto& mesh = std::get<LinkMesh>(pieces[0]);
   EXPECT_EQ(mesh.scale, Eigen::Vector3d(0.001, 0.002, -0.003));
-  for (const Eigen::Isometry3d& pose : {mesh.link_from_mesh, rigidMesh(pieces[1]).pose})
+  for (const core::Pose& pose : {mesh.link_from_mesh, rigidMesh(pieces[1]).pose})
     EXPECT_LE((pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), kTolerance);
 }
 

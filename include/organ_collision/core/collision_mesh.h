@@ -85,7 +85,6 @@ class CollisionMesh {
   MeshHealth health_;
   std::optional<MeshTopology::Outermost> outermost_;
   bool is_half_refitted_ = false;  // the last refit threw
-  bool box_is_stale_ = false;      // the health's may be too large: some of it has moved inwards
   std::uint64_t splits_number_, positions_number_;
 };
 

@@ -23,13 +23,17 @@ struct Capsule {
   double radius;               ///< [m] >= 0
 };
 
+/// A pose that is kept. Not aligned, as how is another matter for each vector unit: a program that
+/// is translated for a wider one than this library shares it, too.
+using Pose = Eigen::Transform<double, 3, Eigen::Isometry, Eigen::DontAlign>;
+
 /// A surface, of a jaw say, that is solid where it is closed and wound. It is shared, not copied,
 /// wherever it goes.
 struct RigidMesh {
   std::shared_ptr<const CollisionMesh> surface;
-  Eigen::Isometry3d pose;  ///< frame_from_surface
-  bool convex = false;     ///< the node takes its convex hull, against others that are convex or
-                           ///< round; proximity() does not
+  Pose pose;            ///< frame_from_surface
+  bool convex = false;  ///< the node takes its convex hull, against others that are convex or
+                        ///< round; proximity() does not
 };
 
 /// A piece of an instrument: a point, a triangle as in the paper, a sphere, a capsule or a mesh,

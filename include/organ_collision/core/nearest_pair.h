@@ -18,20 +18,25 @@ struct NearestPair {
 /// 0 where the surfaces meet, and negative where they do not and one, or a part of it that hangs
 /// together, is inside the other's solid.
 /// An exact answer is the least of all computed triangle-triangle distances, bit for bit, those of
-/// the first moved by the pose; of several it names the first in the hierarchies' order, but where
-/// surfaces meet any two triangles that do; where one is farther than 2^58 of its sizes from the
-/// other, any that are as near but for 4*u*extent. Where it is not, but the other's middle is
-/// farther than 2^60 of its sizes, as of a surface with a vertex that far astray, the answer is not
-/// exact: its lower bound is 0. max_leaves counts pairs of triangles; 1 is the paper's search from
-/// the middle of the first's box, and back. Throws std::invalid_argument for an accuracy that is
-/// not usable, or a pose that is not rigid.
+/// the first moved by the pose; of several it names the first in the hierarchies' order. But
+/// - where surfaces meet, any two triangles that do;
+/// - where one is farther than 2^58 of its sizes from the other, any two that are as near but for
+///   4*u*extent;
+/// - where it is farther than some 2^40 of them, or one is 2^16 times as large as the other, at
+/// most
+///   2^16 pairs are looked at, as rounding lets hardly any be left out: the bounds tell what that
+///   was worth;
+/// - where the other's middle is farther than 2^60 sizes of a surface that is not, as one with a
+///   vertex that far astray: then the lower bound is 0.
+/// max_leaves counts pairs of triangles; 1 is the paper's search from the middle of the first's
+/// box, and back. Throws std::invalid_argument for an accuracy that is not usable, or a pose that
+/// is not rigid.
 ///
 /// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where all
-/// are, but for rounding: beyond 2^45 sizes, or beside a vertex that is so far astray; least where
-/// the surfaces meet. Besides, for the
-/// sign, a winding number for each part of one that may be inside the other's solid. docs/scenes.md
-/// has measured ones. Does not allocate once the thread has seen its widest search, but where
-/// surfaces are as near as rounding, or were torn at their welds.
+/// are; least where the surfaces meet. Besides, for the sign, a winding number for each part of one
+/// that may be inside the other's solid. docs/scenes.md has measured ones. Does not allocate once
+/// the thread has seen its widest search, but where surfaces are as near as rounding, or were torn
+/// at their welds.
 /// Source: both hierarchies are descended at once as in S. Gottschalk, M. Lin and D. Manocha,
 /// "OBBTree: a hierarchical structure for rapid interference detection" (1996).
 NearestPair nearestPair(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,

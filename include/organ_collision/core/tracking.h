@@ -22,7 +22,7 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
 
   /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
-  /// Does not allocate once the thread has seen its widest search.
+  /// Allocates the first time, and where that does.
   /// `travel` [m]: of each organ keep one number, from 0 on, and with each refit add the farthest
   /// that it moved a vertex, rounded up. Where it did not grow with a refit, or the organ is
   /// another or was rebuilt, what was learnt is forgotten. REQUIRES: where it grew, vertices did

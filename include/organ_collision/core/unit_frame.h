@@ -19,6 +19,9 @@ struct UnitFrame {
   }
 };
 
+/// Coordinates in it beyond which squares could overflow.
+constexpr double kBeyond = 0x1p400;
+
 /// The frame for what is in `box`. A single point gets scale 1.
 UnitFrame unitFrame(const Box& box);
 

@@ -14,8 +14,8 @@ namespace organ_collision::io {
 /// frame.
 struct LinkMesh {
   std::string url;
-  Eigen::Vector3d scale;             ///< [m] per unit of the file, along the mesh's axes; never 0
-  Eigen::Isometry3d link_from_mesh;  ///< [m]
+  Eigen::Vector3d scale;      ///< [m] per unit of the file, along the mesh's axes; never 0
+  core::Pose link_from_mesh;  ///< [m]
 };
 
 /// A piece of a link's geometry in the link's frame: a mesh that is yet to be read, or a shape.
