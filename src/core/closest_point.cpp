@@ -35,7 +35,7 @@ using Corners3 = std::array<Corner, 3>;
 struct Candidate {
   const Corner* base;
   Vector3d step;            ///< [m]
-  Vector3d lost;            ///< [m] of the offset of the corner
+  Vector3d offset;          ///< [m] from the query
   double squared_distance;  ///< [m^2]
   Vector3d barycentric;     ///< in the order of the triangle's corners
   Feature feature;
@@ -95,9 +95,9 @@ Eigen::Map<const Vector3d> unit(const Corner& corner) {
 }
 
 Candidate atBase(const View& view) {
-  return {&view.base,       Vector3d::Zero(),
-          Vector3d::Zero(), view.base.squared_distance,
-          unit(view.base),  static_cast<Feature>(view.base.slot)};
+  return {&view.base,      Vector3d::Zero(),
+          view.offset,     view.base.squared_distance,
+          unit(view.base), static_cast<Feature>(view.base.slot)};
 }
 
 Feature featureOf(const Vector3d& barycentric) {
@@ -108,6 +108,11 @@ Feature featureOf(const Vector3d& barycentric) {
                    (barycentric.z() > 0 ? 4U : 0U)];
 }
 
+/// So little of an offset that rounding of the step from there matters.
+bool isNearlyNothing(const Vector3d& rest, const Vector3d& offset) {
+  return !(squaredLength(rest) > kNearlyNothing * squaredLength(offset));
+}
+
 /// The point nearest to the query between the corners, unless it is `nearer` itself.
 void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& farther,
                   Candidate& best) {
@@ -116,14 +121,23 @@ void considerEdge(const Vector3d& query, const Corner& nearer, const Corner& far
   const double along = -offset.dot(edge);
   if (!(along > 0)) return;
   const double squared_edge = squaredLength(edge);
-  const double t = along / squared_edge;
+  double t = along / squared_edge;
   if (!(t < 1)) return;
-  const Vector3d step = t * edge;
-  const Vector3d lost = lostOf(offset, nearer.position, query, squared_edge);
-  const double squared_distance = squaredLength(offset + (step + lost));
+  Vector3d step = t * edge;
+  Vector3d rest = offset + (step + lostOf(offset, nearer.position, query, squared_edge));
+  if (isNearlyNothing(rest, offset)) {
+    AccurateSum sum(nearer.position, query);
+    sum.add(t, farther.position, nearer.position);
+    rest = sum.value();
+    const double more = -rest.dot(edge) / squared_edge;
+    rest += more * edge;
+    t += more;
+    step = t * edge;
+  }
+  const double squared_distance = squaredLength(rest);
   if (!(squared_distance < best.squared_distance)) return;
   const Vector3d weights = (1 - t) * unit(nearer) + t * unit(farther);
-  best = {&nearer, step, lost, squared_distance, weights, featureOf(weights)};
+  best = {&nearer, step, rest, squared_distance, weights, featureOf(weights)};
 }
 
 /// False only where there is an area for sure.
@@ -162,6 +176,14 @@ struct Weights {
   Weights(double of_left, double of_right)
       : left(of_left), right(of_right), base(1 - (of_left + of_right)) {}
 
+  void add(const Vector2d& more) {
+    const double sum = left + right;
+    const double lost = (left - (sum - right)) + (right - (sum - (sum - right)));
+    base = ((1 - sum) - lost) - (more.x() + more.y());
+    left += more.x();
+    right += more.y();
+  }
+
   bool areInside() const { return left > 0 && right > 0 && base > 0; }
   Vector3d step(const View& view) const { return left * view.to_left + right * view.to_right; }
   Vector3d barycentric(const View& view) const {
@@ -178,12 +200,24 @@ void considerFace(const View& view, Candidate& best) {
   if (!weights) return;
   if (isNarrow(to_left, to_right) && collinear(base.position, left.position, right.position))
     return;
-  const Weights inside(weights->x(), weights->y());
+  Weights inside(weights->x(), weights->y());
+  Vector3d rest = offset + (inside.step(view) + lost);
+  if (isNearlyNothing(rest, offset)) {
+    AccurateSum sum(base.position, query);
+    sum.add(inside.left, left.position, base.position);
+    sum.add(inside.right, right.position, base.position);
+    rest = sum.value();
+    const std::optional<Vector2d> more = accuratePlaneCoordinates(-rest, to_left, to_right);
+    if (more) {
+      rest += more->x() * to_left + more->y() * to_right;
+      inside.add(*more);
+    }
+  }
   if (!inside.areInside()) return;
-  const Vector3d step = inside.step(view);
-  const double squared_distance = squaredLength(offset + (step + lost));
+  const double squared_distance = squaredLength(rest);
   if (squared_distance < best.squared_distance)
-    best = {&base, step, lost, squared_distance, inside.barycentric(view), Feature::kFace};
+    best = {&base,         inside.step(view), rest, squared_distance, inside.barycentric(view),
+            Feature::kFace};
 }
 
 /// sin^2 of 14 degrees: so far from parallel that plain products of edges tell what is below a
@@ -210,16 +244,16 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdge(view.query, view.left, view.right, best);
 }
 
-/// To where a step from a corner leads, which rounding may not carry out of the triangle's box;
-/// leaves out weights and feature. Not called, so that a step just found is not stored and loaded.
-/// Where nearly all of the offset lies along one axis, rounding takes most: 1*u by its sum, 1.5*u
-/// by the square and the sums of squares, 1*u by the root. So would the difference of corner and
-/// query, if what it lost were not given back, wherever candidates are compared.
+/// To where a step from a corner leads, at an offset from the query, neither of which rounding may
+/// carry out of the triangle's box; leaves out weights and feature. Not called, so that a step just
+/// found is not stored and loaded. Where nearly all of the offset lies along one axis, rounding
+/// takes most: 1*u by its sum, 1.5*u by the square and the sums of squares, 1*u by the root. So
+/// would the difference of corner and query, if what it lost were not given back, wherever
+/// candidates are compared.
 [[gnu::always_inline]] inline void goTo(const Vector3d& corner, const Vector3d& step,
-                                        const Vector3d& lost, const Vector3d& query, const Box& box,
-                                        ClosestPoint& closest) {
-  closest.offset =
-      ((corner - query) + (step + lost)).cwiseMax(box.low - query).cwiseMin(box.high - query);
+                                        const Vector3d& offset, const Vector3d& query,
+                                        const Box& box, ClosestPoint& closest) {
+  closest.offset = offset.cwiseMax(box.low - query).cwiseMin(box.high - query);
   closest.point = (corner + step).cwiseMax(box.low).cwiseMin(box.high);
   closest.squared_distance = squaredLength(closest.offset);
 }
@@ -235,7 +269,7 @@ void considerEdges(const View& view, Candidate& best) {
   considerEdges(view, best);
   if (face_too) considerFace(view, best);
   ClosestPoint closest;
-  goTo(best.base->position, best.step, best.lost, query, box, closest);
+  goTo(best.base->position, best.step, best.offset, query, box, closest);
   closest.barycentric = best.barycentric;
   closest.feature = best.feature;
   return closest;
@@ -314,7 +348,9 @@ ClosestPoint closestPointOnTriangle(const Vector3d& query, const Vector3d& a, co
       plainWeights(products.areSafe() ? products : inSafeUnit(view));
   if (weights) {
     ClosestPoint closest;
-    goTo(view.base.position, weights->step(view), view.lost, query, box, closest);
+    const Vector3d step = weights->step(view);
+    const Vector3d offset = view.offset + (step + view.lost);
+    goTo(view.base.position, step, offset, query, box, closest);
     is_clear = closest.squared_distance > kNearlyNothing * view.base.squared_distance;
     if (is_clear && weights->areInside() && closest.squared_distance < view.base.squared_distance) {
       closest.barycentric = weights->barycentric(view);

@@ -147,6 +147,28 @@ TEST(ClosestPoint, KeepsWhatTheDifferenceOfQueryAndCornerLoses) {
   EXPECT_LE(errorOf(other, fair), kPromise);
 }
 
+TEST(ClosestPoint, IsCorrectedWhereTheQueryNearlyTouchesAnEdge) {
+  // found by climbing, in u * extent from an uncorrected share of the edge:
+  // 7.06, an edge alone
+  EXPECT_LE(errorOf({0x1.5afe5e7d9b5b6p-17, -0x1.e3078761c10ebp+0, -0x1.7177bde286ecp-15},
+                    {{0x1.cdfc2232caf0cp-17, 0x1.e3745f47ec443p-1, -0x1.b3fa45d9b88afp-13},
+                     {0x1.d0012b8b1472ap-18, -0x1.2df2577f46448p+2, 0x1.f67cebc3c951ep-14},
+                     {0x1.d0012b8b1472ap-18, -0x1.2df2577f46448p+2, 0x1.f67cebc3c951ep-14}}),
+            kPromise);
+  // 6.49
+  EXPECT_LE(errorOf({-0x1.813c68bb39602p-27, -0x1.7e9194c81526ap-1, -0x1.62248a00684fbp-10},
+                    {{-0x1.6a47e1c895793p-27, 0x1.35d11c236e175p-1, 0x1.1978621858c31p-9},
+                     {0x1.2b878cb436613p+0, -0x1.8da3fdb371b1p+0, -0x1.3dd1086424aa6p-8},
+                     {-0x1.2b6d76624a35ep+0, 0x1.e00df77d30ba4p-5, 0x1.19559618de11fp-9}}),
+            kPromise);
+  // and 4.80 where the edge is corrected, but not whether the face is left
+  EXPECT_LE(errorOf({-0x1.084ce089a3e2dp+1, 0x1.94456e0a0fe23p+1, 0x1.b0d7f0f9c609p-91},
+                    {{-0x1.c42670348919fp+2, -0x1.d77523eb5ce4p+0, 0x1.b0d7f0faed243p-91},
+                     {-0x1.c4264d1211422p+2, 0x1.fde4879eef44dp+2, 0x1.b0d80df658f9ep-91},
+                     {0x1.77b31f564dc65p+1, 0x1.05115b8294635p+3, 0x1.b0d7f0f9c609p-91}}),
+            kPromise);
+}
+
 TEST(ClosestPoint, GivesNothingBackToLongSteps) {
   // found by climbing: 4.41 u * extent if long steps got what the difference loses, too
   const Vector3d query{0x1.60ef175ed2beap-2, -0x1.32b8b1c4d365bp-2, -0x1.00f7fb8e660bp-1};

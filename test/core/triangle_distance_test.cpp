@@ -161,6 +161,16 @@ TEST(ClosestPoints, KeepWhatTheDifferenceOfStartsLoses) {
   const Vector3d start{0x1.82c6bbbb8d3d4p-1, 0x1.801ecccb7bf66p-1, 0x1.ef4435a11ead5p-10};
   const Vector3d other_start{0x1.78e0c80f92791p-1, 0x1.c013534e73acbp+0, 0x1.b4278e09f7407p-7};
   EXPECT_LE(errorOf({start, end, end}, {other_start, other_end, other_end}), kPromise);
+  // and 4.09 between longer ones
+  const Vector3d far_end{-0x1.fd982ce6eecb9p-5, -0x1.9204c936fdb9ap+5, 0x1.dda446076192p+9};
+  const Vector3d other_far_end{0x1.065b4a6bb8724p+15, 0x1.536232fedf44bp+13, -0x1.37105b2b53cd5p+9};
+  EXPECT_LE(
+      errorOf(
+          {{-0x1.72b6cf0e00002p-7, -0x1.d51ccbb5e2a38p+5, -0x1.370eec0c8e774p+9}, far_end, far_end},
+          {{0x1.058edd800f036p+15, -0x1.753eef5de0eeep+13, 0x1.0083887979dc4p+11},
+           other_far_end,
+           other_far_end}),
+      kPromise);
 }
 
 TEST(ClosestPoints, DistanceIsAsGoodAtTheExtremesOfScale) {
