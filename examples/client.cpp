@@ -1,11 +1,13 @@
 // A client: asks where the organ is nearest to a point, moves one vertex there up by 2 mm, and asks
 // again.
 //   rosrun organ_collision example_client ORGAN FRAME X Y Z
+#include <geometry_msgs/Point.h>
 #include <organ_collision/FindNearestTriangle.h>
 #include <organ_collision/GetMesh.h>
 #include <organ_collision/UpdateMesh.h>
 #include <ros/ros.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -29,13 +31,18 @@ void call(const std::string& name, Service& service) {
   if (!service.response.success) throw std::runtime_error(name + ": " + service.response.message);
 }
 
-organ_collision::NearestTriangle nearest(const organ_collision::FindNearestTriangle& question) {
+organ_collision::FindNearestTriangleResponse nearest(
+    const organ_collision::FindNearestTriangle& question) {
   organ_collision::FindNearestTriangle service = question;
   call("find_nearest_triangle", service);
   const auto& answer = service.response.nearest.front();
   ROS_INFO("version %u: triangle %u is nearest, %.4f m away", service.response.mesh_version,
            answer.triangle, answer.distance);
-  return answer;
+  return service.response;
+}
+
+bool isSame(const geometry_msgs::Point& left, const geometry_msgs::Point& right) {
+  return left.x == right.x && left.y == right.y && left.z == right.z;
 }
 
 }  // namespace
@@ -60,15 +67,22 @@ int main(int argc, char** argv) {
     organ_collision::GetMesh mesh;
     mesh.request.organ = argv[1];
     call("get_mesh", mesh);
-    const auto vertex = mesh.response.mesh.triangles[before.triangle].vertex_indices[0];
-    const auto& position = mesh.response.mesh.vertices[vertex];
+    if (mesh.response.mesh_version != before.mesh_version)
+      throw std::runtime_error("the organ has moved meanwhile");
+    const auto& triangle = mesh.response.mesh.triangles[before.nearest.front().triangle];
+    const auto& vertices = mesh.response.mesh.vertices;
+    const geometry_msgs::Point& position = vertices[triangle.vertex_indices[0]];
 
     organ_collision::UpdateMesh update;
     update.request.organ = argv[1];
     update.request.header.frame_id = mesh.response.frame_id;
     update.request.expected_version = mesh.response.mesh_version;
-    update.request.indices = {vertex};
-    update.request.positions = {position.x, position.y, position.z + 0.002};  // 2 mm up
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) {  // and those that coincide, if any
+      if (!isSame(vertices[i], position)) continue;
+      update.request.indices.push_back(i);
+      for (const double coordinate : {position.x, position.y, position.z + 0.002})  // 2 mm up
+        update.request.positions.push_back(coordinate);
+    }
     call("update_mesh", update);
     nearest(question);
   } catch (const std::exception& error) {

@@ -108,7 +108,7 @@ Feature featureOf(const Vector3d& barycentric) {
                    (barycentric.z() > 0 ? 4U : 0U)];
 }
 
-/// So little of an offset that rounding of the step from there matters.
+/// So little is left of an offset that most of it may be rounding, also along edge or face.
 bool isNearlyNothing(const Vector3d& rest, const Vector3d& offset) {
   return !(squaredLength(rest) > kNearlyNothing * squaredLength(offset));
 }
@@ -176,6 +176,7 @@ struct Weights {
   Weights(double of_left, double of_right)
       : left(of_left), right(of_right), base(1 - (of_left + of_right)) {}
 
+  /// Corrects them by numbers so small that it matters what rounding takes of left + right.
   void add(const Vector2d& more) {
     const double sum = left + right;
     const double lost = (left - (sum - right)) + (right - (sum - (sum - right)));

@@ -48,10 +48,10 @@ struct Wear {
 };
 
 /// Decides when to rebuild: as soon as queries have lost as much time to the wear as a rebuild
-/// costs. Whatever comes after, that is at most twice what the best choice in hindsight would have
-/// cost (the ski rental problem: A. Karlin et al., "Competitive snoopy caching", 1988). An answer
-/// that has become wrong, which greedy search and small budgets let happen, counts as the exact
-/// search that would mend it.
+/// costs. Whatever comes after, that is about twice, at most, what the best choice in hindsight
+/// would have cost (the ski rental problem: A. Karlin et al., "Competitive snoopy caching", 1988).
+/// An answer that has become wrong, which greedy search and small budgets let happen, counts as the
+/// exact search that would mend it.
 class RebuildPolicy {
  public:
   /// `cost` [s] of building the hierarchy.

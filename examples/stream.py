@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""What a simulator does whose organ deforms: sends all vertices, in the order of the mesh, 60 times a second. This one lets
+the organ breathe.
+
+rosrun organ_collision stream.py [_organ:=liver] [_height:=0.005] [_node:=organ_collision]
+"""
+import math
+
+import numpy as np
+import rospy
+
+from organ_collision.msg import MeshUpdate
+from organ_collision.srv import GetMesh
+
+PERIOD = 4.0  # [s] of a breath
+
+
+def main():
+    node = rospy.get_param("~node", "organ_collision")
+    height = rospy.get_param("~height", 0.005)  # [m]
+    update = MeshUpdate(organ=rospy.get_param("~organ", ""))  # may be empty if there is one
+    get_mesh = rospy.ServiceProxy(node + "/get_mesh", GetMesh)
+    rospy.loginfo("waiting for %s", get_mesh.resolved_name)
+    get_mesh.wait_for_service()
+    mesh = get_mesh(organ=update.organ)
+    if not mesh.success:
+        raise SystemExit(mesh.message)
+    rest = np.array([(vertex.x, vertex.y, vertex.z) for vertex in mesh.mesh.vertices])
+    update.header.frame_id = mesh.frame_id
+    publisher = rospy.Publisher(node + "/mesh_update", MeshUpdate, queue_size=1)
+    rate = rospy.Rate(60)
+    while not rospy.is_shutdown():
+        breath = math.sin(2 * math.pi * rospy.get_time() / PERIOD)
+        update.positions = (rest + (0, 0, height * breath)).astype(np.float32).ravel()
+        publisher.publish(update)
+        rate.sleep()
+
+
+if __name__ == "__main__":
+    rospy.init_node("stream")
+    try:
+        main()
+    except rospy.ROSInterruptException:  # ended while it waits
+        pass
