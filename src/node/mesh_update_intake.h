@@ -18,8 +18,8 @@ namespace organ_collision::node {
 /// each update to its organ, and counts what was refused or lost.
 class MeshUpdateIntake {
  public:
-  /// Both must outlive this. `tell_refusal` is called, by that thread, when an organ
-  /// has refused an update.
+  /// Both must outlive this. `tell_refusal` is called, by that thread, when an organ has refused an
+  /// update.
   MeshUpdateIntake(const Organs& organs, Incidents& refusals, std::function<void()> tell_refusal);
 
   /// Hears from now on what comes to `node`.
