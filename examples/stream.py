@@ -2,7 +2,7 @@
 """What a simulator does whose organ deforms: sends all vertices, in the order of the mesh, 60 times a second. This one lets
 the organ breathe.
 
-rosrun organ_collision stream.py [_organ:=liver] [_height:=0.005] [_node:=organ_collision]
+rosrun organ_collision stream.py [_organ:=liver] [_node:=organ_collision]
 """
 import math
 
@@ -13,11 +13,11 @@ from organ_collision.msg import MeshUpdate
 from organ_collision.srv import GetMesh
 
 PERIOD = 4.0  # [s] of a breath
+HEIGHT = 0.005  # [m]
 
 
 def main():
     node = rospy.get_param("~node", "organ_collision")
-    height = rospy.get_param("~height", 0.005)  # [m]
     update = MeshUpdate(organ=rospy.get_param("~organ", ""))  # may be empty if there is one
     get_mesh = rospy.ServiceProxy(node + "/get_mesh", GetMesh)
     rospy.loginfo("waiting for %s", get_mesh.resolved_name)
@@ -31,7 +31,7 @@ def main():
     rate = rospy.Rate(60)
     while not rospy.is_shutdown():
         breath = math.sin(2 * math.pi * rospy.get_time() / PERIOD)
-        update.positions = (rest + (0, 0, height * breath)).astype(np.float32).ravel()
+        update.positions = (rest + (0, 0, HEIGHT * breath)).astype(np.float32).ravel()
         publisher.publish(update)
         rate.sleep()
 
