@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """The organ deforms by a stream, while contacts and questions go on."""
 import math
+import re
 import threading
+import time
 
 import numpy as np
 import rospy
 from deforming_liver import REFITS, DeformingLiver
+from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
 from rostest_support import Inbox, Services, contact_of, run
 
@@ -14,6 +17,9 @@ from organ_collision.srv import UpdateMeshRequest
 
 STREAM_RATE = 60  # [Hz]
 BURST_RATE = 1e6  # [Hz] as fast as Python can
+LOG_LIMIT = 5.1  # [s] after which what is the same but for numbers is logged again
+REFUSALS_PERIOD = 0.1  # [s] at which they are told
+NO_AREA = " triangles have no area"
 
 
 class MeshStream(DeformingLiver):
@@ -126,6 +132,17 @@ class MeshStream(DeformingLiver):
         np.testing.assert_array_equal(self.services.surface().vertices, expected)
         self.assertEqual(not_counted, [])
 
+    def test_many_refusals_are_told_together(self):
+        before = self.account()
+        self.infos.forget()
+        start = time.monotonic()
+        refused = 300
+        for _ in range(refused):
+            self.send(self.loaded.vertices[1:])
+            time.sleep(0.001)
+        self.latest_info(lambda info: info.updates_lost == before.updates_lost + refused)
+        self.assertLess(len(self.infos.all()), 2 + (time.monotonic() - start) / REFUSALS_PERIOD)
+
     def test_an_update_of_an_unknown_organ_changes_nothing(self):
         before = self.account()
         self.send(self.deformed(), organ="spleen")
@@ -134,6 +151,22 @@ class MeshStream(DeformingLiver):
         self.assertEqual(after.mesh_version, before.mesh_version + 1)
         self.assertEqual(after.updates_lost, before.updates_lost, "it was not this organ's")
         np.testing.assert_array_equal(self.services.surface().vertices[1:], self.loaded.vertices[1:])
+
+    def test_a_changing_number_of_triangles_without_area_is_told_once(self):
+        log = Inbox("/rosout", Log)
+        diagnostics = Inbox("/diagnostics", DiagnosticArray)
+        counts = set()
+        for crushed in (50, 100):
+            time.sleep(LOG_LIMIT)
+            vertices = self.loaded.vertices.copy()
+            vertices[:crushed] = vertices[0]
+            start = rospy.Time.now()
+            self.send(vertices)
+            told = diagnostics.wait_for(lambda array: array.header.stamp > start and NO_AREA in str(array.status))
+            counts.add(re.search(r"\d+" + NO_AREA, str(told.status)).group())
+        self.assertEqual(len(counts), 2, counts)
+        warnings = [entry.msg for entry in log.all() if "since it was updated" in entry.msg and NO_AREA in entry.msg]
+        self.assertEqual(len(warnings), 1, warnings)
 
     def test_an_update_in_millimetres_is_told(self):
         log = Inbox("/rosout", Log)

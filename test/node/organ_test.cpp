@@ -1,7 +1,10 @@
 #include "node/organ.h"
 
 #include <gmock/gmock.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
 
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <random>
@@ -53,6 +56,35 @@ TEST(Organ, MovesSingleVertices) {
   EXPECT_EQ(now[7], Eigen::Vector3d(1, 1, 3));
   EXPECT_EQ(now[4], Eigen::Vector3d(0, 0, 3));
   EXPECT_EQ(now[5], test::cube().positions()[5]);
+}
+
+/// Counts the threads that come to share what this one does.
+class Helpers : public tbb::task_scheduler_observer {
+ public:
+  Helpers() { observe(true); }
+  ~Helpers() override { observe(false); }
+  void on_scheduler_entry(bool is_helper) override { entries += is_helper ? 1 : 0; }
+
+  std::atomic<int> entries{0};
+};
+
+TEST(Organ, RefitsOnOneProcessor) {
+  if (tbb::this_task_arena::max_concurrency() == 1) GTEST_SKIP() << "there is no other";
+  const core::TriangleMesh mesh = test::blob(6);
+  const VertexMoves out_of_the_box = movesOf({0}, {3.0 * mesh.positions()[0]});
+  core::CollisionMesh alike(mesh);
+  Helpers helpers;
+  for (int i = 0; i < 20; ++i) {
+    Organ organ("liver", "liver", mesh);
+    helpers.entries = 0;
+    const auto some = organ.update(out_of_the_box, UpdateMode::kRefit, 0);
+    const auto all = organ.update({{}, mesh.positions()}, UpdateMode::kRefit, 0);
+    ASSERT_EQ(helpers.entries, 0);
+    ASSERT_EQ(some.action, Action::kPartialRefit);
+    ASSERT_EQ(all.action, Action::kRefit);
+  }
+  for (int i = 0; i < 1000 && helpers.entries == 0; ++i) alike.refit(mesh.positions());
+  EXPECT_GT(helpers.entries, 0) << "nor are refits shared that may be";
 }
 
 TEST(Organ, TellsATrackerHowFarItsVerticesMovedAndWhenItsSplitsAreOthers) {
