@@ -28,7 +28,7 @@ def main():
     rest = np.array([(vertex.x, vertex.y, vertex.z) for vertex in mesh.mesh.vertices])
     update.header.frame_id = mesh.frame_id
     publisher = rospy.Publisher(node + "/mesh_update", MeshUpdate, queue_size=1)
-    rate = rospy.Rate(60)
+    rate = rospy.Rate(60, reset=True)  # and go on where a simulation starts anew
     while not rospy.is_shutdown():
         breath = math.sin(2 * math.pi * rospy.get_time() / PERIOD)
         update.positions = (rest + (0, 0, HEIGHT * breath)).astype(np.float32).ravel()

@@ -1,7 +1,7 @@
 #include "organ_collision/core/instrument.h"
 
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include "core/rigid_pose.h"
 
@@ -70,8 +70,9 @@ void requireUsable(const Shape& shape) {
   const auto [core, radius] = *roundShape(shape);
   requireUsable(core);
   if (radius >= 0.0 && radius < kLargestCoordinate) return;
-  throw std::invalid_argument("radius is " + std::to_string(radius) +
-                              ": it must be >= 0 and below 1e150");
+  std::ostringstream message;
+  message << "radius is " << radius << ": it must be >= 0 and below " << kLargestCoordinate;
+  throw std::invalid_argument(message.str());
 }
 
 std::optional<RoundShape> roundShape(const Shape& shape) {

@@ -1,17 +1,18 @@
 #include "organ_collision/core/nearest_triangle.h"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include "core/greedy_search.h"
 #include "core/nearest_search.h"
 
 namespace organ_collision::core {
 
-void refuseError(const char* field, double value) {
-  throw std::invalid_argument(std::string(field) + " is " + std::to_string(value) +
-                              ": it must be finite and >= 0");
+void refuseNegative(const char* field, double value) {
+  std::ostringstream message;
+  message << field << " is " << value << ": it must be finite and >= 0";
+  throw std::invalid_argument(message.str());
 }
 
 namespace {

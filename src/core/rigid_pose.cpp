@@ -1,8 +1,8 @@
 #include "core/rigid_pose.h"
 
 #include <Eigen/LU>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include "organ_collision/core/triangle_mesh.h"
 
@@ -17,9 +17,11 @@ double stretchOf(const Matrix3d& linear) {
 void requireRigid(const Eigen::Isometry3d& pose) {
   constexpr double kMost = 0x1p-4;  // more than tf lets pass
   const double stretch = stretchOf(pose.linear());
-  if (!(stretch <= kMost))
-    throw std::invalid_argument("a pose stretches squared lengths by " + std::to_string(stretch) +
-                                ": it must be rigid");
+  if (!(stretch <= kMost)) {
+    std::ostringstream message;
+    message << "a pose stretches squared lengths by " << stretch << ": it must be rigid";
+    throw std::invalid_argument(message.str());
+  }
   if (pose.linear().determinant() < 0.0)
     throw std::invalid_argument("a pose mirrors: it must be rigid");
   requireUsable(pose.translation(), "translation", 0);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include "core/for_each_leaf.h"
 #include "organ_collision/core/box.h"
 #include "organ_collision/core/closest_point.h"
+#include "organ_collision/core/nearest_triangle.h"
 
 namespace organ_collision::core {
 namespace {
@@ -39,10 +38,7 @@ void forEachNear(const WideTree& tree, const Eigen::Vector3d& point, double radi
 TrianglesWithin trianglesWithin(const CollisionMesh& organ, const Eigen::Vector3d& point,
                                 double radius, std::size_t max_results) {
   requireUsable(point, "point", 0);
-  if (!std::isfinite(radius) || radius < 0.0) {
-    throw std::invalid_argument("radius is " + std::to_string(radius) +
-                                ": it must be finite and >= 0");
-  }
+  if (!std::isfinite(radius) || radius < 0.0) refuseNegative("radius", radius);
   TrianglesWithin within{{}, true};
   forEachNear(organ.wideTree(), point, radius, [&](FarthestPairTree::Leaf leaf) {
     const TriangleId id = organ.tree().triangle(leaf);

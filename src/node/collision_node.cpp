@@ -126,13 +126,16 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
     for (std::string& complaint : intake_.take(*event.getConstMessage(), event.getPublisherName(),
-                                               is_static, ros::Time::now())) {
-      if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
-      troubles_.tf_complaints.note(std::move(complaint));
-    }
+                                               is_static, ros::Time::now()))
+      complainOfTf(std::move(complaint));
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+}
+
+void CollisionNode::complainOfTf(std::string complaint) {
+  if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
+  troubles_.tf_complaints.note(std::move(complaint));
 }
 
 void CollisionNode::run() {
@@ -151,6 +154,8 @@ void CollisionNode::run() {
       ++troubles_.times_behind;
     }
     if (tf_queue_.isEmpty()) pace.noteCaughtUp(ros::SteadyTime::now());
+    if (std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
+      complainOfTf(std::move(jump));  // what tf said before is no pose of now, though tf be silent
     const bool tips_moved = cycle_.lookUpTips();
     const bool others_moved = proximity_cycle_.lookUp();
     if (!tips_moved && !others_moved && now < pace.heartbeat()) continue;
@@ -177,6 +182,7 @@ void CollisionNode::publishCycle() {
     warn(complaints_);
   }
   cycle->complaints = complaints_;
+  cycle->published = ros::SteadyTime::now();
   std::shared_ptr<const Cycle> former = std::move(cycle);
   const std::lock_guard<std::mutex> lock(mutex_);
   last_cycle_.swap(former);  // if nobody reads it, it is freed after the lock

@@ -48,6 +48,7 @@ class CollisionNode {
 
  private:
   void hearTf(const std::string& topic, bool is_static);
+  void complainOfTf(std::string complaint);
   void publishCycle();
   void warn(const std::vector<Complaint>& complaints);
   void reconfigure(OrganCollisionConfig& wanted);

@@ -2,6 +2,7 @@
 
 #include <organ_collision/ContactArray.h>
 #include <organ_collision/ProximityArray.h>
+#include <ros/time.h>
 
 #include <vector>
 
@@ -14,6 +15,7 @@ struct Cycle {
   ContactArray contacts;
   ProximityArray proximities;  // none where the scene has no such pairs
   std::vector<Complaint> complaints;
+  ros::SteadyTime published;  // when it was; zero before the first
 };
 
 }  // namespace organ_collision::node

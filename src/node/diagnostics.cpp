@@ -28,6 +28,22 @@ void diagnoseNews(const std::string& what, Incidents& incidents,
 
 }  // namespace
 
+DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTime& now) {
+  constexpr double kLongestPause = 1.0;  // [s] ten times that of a node that hears of no pose
+  DiagnosticStatus status;
+  const double pause = (now - last.published).toSec();
+  if (last.published.isZero()) {
+    status.level = DiagnosticStatus::WARN;
+    status.message = "no contacts yet";
+  } else if (pause > kLongestPause) {
+    status.level = DiagnosticStatus::ERROR;
+    status.message = "no contacts for " + std::to_string(pause) + " s";
+  } else {
+    status.message = "contacts flow";
+  }
+  return status;
+}
+
 Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                          const Organs& organs, Troubles& troubles,
                          std::function<std::shared_ptr<const Cycle>()> last_cycle)
@@ -46,7 +62,7 @@ void Diagnostics::publish() { updater_.force_update(); }
 
 void Diagnostics::diagnose(Status& status) {
   const std::shared_ptr<const Cycle> cycle = last_cycle_();
-  status.summary(DiagnosticStatus::OK, "contacts flow");
+  status.summary(flowOf(*cycle, ros::SteadyTime::now()));
   for (const Complaint& complaint : cycle->complaints) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         complaint.first + " to " + complaint.second + ": " + complaint.reason);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
 
@@ -22,6 +23,10 @@ struct Troubles {
   Incidents tf_complaints, update_refusals;
   std::atomic<std::uint64_t> times_behind{0};  ///< that poses were left out
 };
+
+/// Whether contacts flow: not where the last cycle was published longer ago than any pause between
+/// two that the node makes by itself.
+diagnostic_msgs::DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTime& now);
 
 /// Tells /diagnostics what is wrong, and the log what is told nowhere else. For one thread.
 class Diagnostics {

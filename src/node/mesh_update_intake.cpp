@@ -41,8 +41,8 @@ void MeshUpdateIntake::take(const Event& event) {
     organ.countLostUpdates(std::exchange(missed_, 0));  // its own, most likely
     enqueue(organ, update);
   } catch (const std::exception& error) {
-    std::string refusal = "an update of the mesh of '" + update.organ + "' by " +
-                          event.getPublisherName() + ": " + error.what();
+    std::string refusal = "an update of the mesh of '" + update.organ + "' by '" +
+                          event.getPublisherName() + "': " + error.what();
     if (log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
     refusals_.note(std::move(refusal));
   }
@@ -55,7 +55,7 @@ std::uint32_t MeshUpdateIntake::missedBefore(const Event& event) {
   // rospy counts up for each one that subscribes to what is latched.
   if (missed == 0 || isLatched(event)) return 0;
   const std::string loss =
-      std::to_string(missed) + " mesh updates of " + publisher + " were lost on the way here";
+      std::to_string(missed) + " mesh updates of '" + publisher + "' were lost on the way here";
   if (log_.allows(loss)) ROS_WARN("%s", loss.c_str());
   return missed;
 }

@@ -108,11 +108,21 @@ void Organ::addToPending(VertexMoves moves) {
   if (merges) ++counters_.updates_merged;
 }
 
-/// All that waits, `moves` included.
-VertexMoves Organ::takePendingWith(VertexMoves moves) {
-  const std::lock_guard<std::mutex> lock(queue_mutex_);
-  addToPending(std::move(moves));
-  return pending_.take();
+/// With what was streamed in the meantime.
+Organ::Applied Organ::applyWithPending(VertexMoves moves) {
+  std::uint64_t streamed = 0;
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    streamed = pending_.empty() ? 0 : 1;
+    addToPending(std::move(moves));
+    moves = pending_.take();
+  }
+  try {
+    return applyMoves(std::move(moves), "");
+  } catch (const std::exception&) {  // memory, most likely
+    countLostUpdates(streamed);
+    throw;
+  }
 }
 
 void Organ::requireVersion(std::uint32_t expected_version) const {
@@ -130,7 +140,7 @@ Organ::Applied Organ::update(VertexMoves moves, UpdateMode mode, std::uint32_t e
   applyPending();
   requireVersion(expected_version);
   Applied applied = {snapshot()->version, Action::kNone, "no vertex moved", 0.0};
-  if (!moves.none()) applied = applyMoves(takePendingWith(std::move(moves)), "");
+  if (!moves.none()) applied = applyWithPending(std::move(moves));
   if (mode == UpdateMode::kAuto) rebuildIfDue(applied.reason);
   if (mode == UpdateMode::kRebuild) {
     rebuildAndWait(building);

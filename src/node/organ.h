@@ -110,7 +110,7 @@ class Organ {
 
   void requireVersion(std::uint32_t expected_version) const;
   void addToPending(VertexMoves moves);
-  VertexMoves takePendingWith(VertexMoves moves);
+  Applied applyWithPending(VertexMoves moves);
   bool applyPending();
   Applied applyMoves(VertexMoves moves, const std::string& origin);
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);

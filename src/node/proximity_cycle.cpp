@@ -98,8 +98,13 @@ Proximity ProximityCycle::proximityOf(Tracked& tracked, const OrganSnapshots& sn
     message.stamp = tracked.pose.stamp();
     message.age = tracked.pose.age(now);
   }
-  message.first = nameOf(tracked.pair.of, tracked.pair.first);
-  message.second = nameOf(tracked.pair.of, tracked.pair.second);
+  const auto& [of, first, second] = tracked.pair;
+  message.first = nameOf(of, first);
+  message.second = nameOf(of, second);
+  if (of == io::LikePair::Of::kOrgans) {
+    message.mesh_version_of_first = snapshots[first]->version;
+    message.mesh_version_of_second = snapshots[second]->version;
+  }
   return message;
 }
 

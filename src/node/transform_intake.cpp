@@ -1,8 +1,10 @@
 #include "node/transform_intake.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <sstream>
+#include <utility>
 
 namespace organ_collision::node {
 namespace {
@@ -47,7 +49,7 @@ std::string faultOf(const TransformStamped& transform, bool is_static, const ros
 
 std::string refusalOf(const TransformStamped& transform, const std::string& publisher,
                       const std::string& fault) {
-  return "refused where " + publisher + " says that '" + transform.child_frame_id + "' is in '" +
+  return "refused where '" + publisher + "' says that '" + transform.child_frame_id + "' is in '" +
          transform.header.frame_id + "': " + fault;
 }
 
@@ -57,12 +59,12 @@ constexpr const char* kRepeated =
 
 }  // namespace
 
-/// Notes a transform, or returns what tf has that does not go with it. tf2 itself would tell no
-/// more than the console, each time.
-std::string TransformIntake::admit(const TransformStamped& transform, bool is_static) {
-  const std::string& frame = transform.child_frame_id;
-  const std::string name = frame.substr(frame.front() == '/' ? 1 : 0);  // as tf2 has it
-  Known& known = known_.try_emplace(name, Known{is_static, ros::Time()}).first->second;
+/// What tf has that does not go with a transform; empty: nothing. tf2 itself would tell no more
+/// than the console, each time.
+std::string TransformIntake::conflictOf(const TransformStamped& transform, bool is_static) const {
+  const auto found = known_.find(transform.child_frame_id);
+  if (found == known_.end()) return "";
+  const Known& known = found->second;
   if (known.is_static != is_static)
     return std::string("it was on ") + (is_static ? "/tf" : "/tf_static") +
            " before; if that was a mistake, start this node anew";
@@ -71,29 +73,42 @@ std::string TransformIntake::admit(const TransformStamped& transform, bool is_st
   if (stamp == known.newest) return kRepeated;
   if (known.newest.toSec() - stamp.toSec() > buffer_.getCacheLength().toSec())
     return "it is older than what tf keeps";
-  known.newest = std::max(known.newest, stamp);
   return "";
+}
+
+void TransformIntake::note(const TransformStamped& transform, bool is_static) {
+  Known& known =
+      known_.try_emplace(transform.child_frame_id, Known{is_static, ros::Time()}).first->second;
+  known.newest = std::max(known.newest, transform.header.stamp);
+}
+
+std::string TransformIntake::noteTime(const ros::Time& now) {
+  const ros::Time last = std::exchange(last_, now);
+  if (now >= last) return "";
+  buffer_.clear();  // but for static transforms
+  for (auto& [name, known] : known_) known.newest = ros::Time();
+  return "time jumped back by " + std::to_string(last.toSec() - now.toSec()) +
+         " s: what tf said before is forgotten";
 }
 
 std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& message,
                                                const std::string& publisher, bool is_static,
                                                const ros::Time& now) {
   std::vector<std::string> complaints;
-  if (now < last_) {
-    complaints.push_back("time jumped back by " + std::to_string(last_.toSec() - now.toSec()) +
-                         " s: what tf said before is forgotten");
-    buffer_.clear();  // but for static transforms
-    for (auto& [name, known] : known_) known.newest = ros::Time();
-  }
-  last_ = now;
+  if (std::string jump = noteTime(now); !jump.empty()) complaints.push_back(std::move(jump));
   for (TransformStamped transform : message.transforms) {
+    for (std::string* name : {&transform.header.frame_id, &transform.child_frame_id})
+      if (!name->empty() && name->front() == '/') name->erase(0, 1);  // as tf2 has it
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
-    if (fault.empty()) fault = admit(transform, is_static);
+    if (fault.empty()) fault = conflictOf(transform, is_static);
     try {
       if (fault.empty()) {
         normalize(transform.transform.rotation);
-        if (!buffer_.setTransform(transform, publisher, is_static)) fault = kRepeated;
+        if (buffer_.setTransform(transform, publisher, is_static))
+          note(transform, is_static);
+        else
+          fault = kRepeated;
       }
     } catch (const std::exception& error) {
       fault = error.what();

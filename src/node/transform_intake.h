@@ -29,9 +29,12 @@ class TransformIntake {
   /// `buffer` must outlive this.
   explicit TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {}
 
-  /// Returns what there is to complain of: why each transform was refused that was, and that time
-  /// jumped back. `now` is the clock that the stamps are of. Never throws for what a transform
-  /// says.
+  /// Forgets what moves where time has jumped back since the last call, and says so; else empty.
+  /// `now` is the clock that the stamps are of.
+  std::string noteTime(const ros::Time& now);
+
+  /// Returns what there is to complain of: what noteTime() says, and why each transform was refused
+  /// that was. Never throws for what a transform says.
   std::vector<std::string> take(const tf2_msgs::TFMessage& message, const std::string& publisher,
                                 bool is_static, const ros::Time& now);
 
@@ -42,10 +45,11 @@ class TransformIntake {
     ros::Time newest;  // since time last jumped back
   };
 
-  std::string admit(const geometry_msgs::TransformStamped& transform, bool is_static);
+  std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static) const;
+  void note(const geometry_msgs::TransformStamped& transform, bool is_static);
 
   tf2::BufferCore& buffer_;
-  ros::Time last_;                      // when take() was last called
+  ros::Time last_;                      // that noteTime() was told
   std::map<std::string, Known> known_;  // by frame
 };
 

@@ -1,6 +1,6 @@
 #include "organ_collision/core/contact.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
@@ -178,7 +178,11 @@ TEST(Contact, OfATriangleThatPiercesElsewhereIsUncertainWhereTheSearchStoppedEar
 TEST(Contact, RefusesShapesThatAreNotUsable) {
   const CollisionMesh cube(test::cube());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(contact(cube, Sphere{{0, 0, 0}, -1e-9}), std::invalid_argument);
+  EXPECT_THAT(
+      [&] {
+        contact(cube, Sphere{{0, 0, 0}, -1e-9});
+      },
+      testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("is -1e-09:")));
   EXPECT_THROW(contact(cube, Sphere{{0, 0, 0}, nan}), std::invalid_argument);
   EXPECT_THROW(contact(cube, Sphere{{0, nan, 0}, 1}), std::invalid_argument);
   EXPECT_THROW(contact(cube, Capsule{{0, 0, 0}, {0, 0, nan}, 1}), std::invalid_argument);

@@ -201,9 +201,9 @@ TEST(NearestTriangle, RefusesWhatItCannotAnswerAndSaysWhat) {
       ThrowsMessage<std::invalid_argument>(HasSubstr("tip")));
   EXPECT_THAT(
       [&] {
-        nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {-0.1, 0, 0});
+        nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {-1e-9, 0, 0});
       },
-      ThrowsMessage<std::invalid_argument>(HasSubstr("max_relative_error is -0.1")));
+      ThrowsMessage<std::invalid_argument>(HasSubstr("max_relative_error is -1e-09:")));
   EXPECT_THAT(
       [&] {
         nearestTriangle(cube, Eigen::Vector3d(0, 0, 0), {0, nan, 0});

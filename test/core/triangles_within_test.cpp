@@ -1,6 +1,6 @@
 #include "organ_collision/core/triangles_within.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -77,6 +77,11 @@ TEST(TrianglesWithin, RefusesWhatItCannotAnswer) {
   EXPECT_THROW(trianglesWithin(cube, {0, 0, nan}, 1), std::invalid_argument);
   for (const double radius : {-1e-9, nan, std::numeric_limits<double>::infinity()})
     EXPECT_THROW(trianglesWithin(cube, {0, 0, 0}, radius), std::invalid_argument);
+  EXPECT_THAT(
+      [&] {
+        trianglesWithin(cube, {0, 0, 0}, -1e-9);
+      },
+      testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("is -1e-09:")));
 }
 
 }  // namespace

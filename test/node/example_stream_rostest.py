@@ -1,14 +1,24 @@
 #!/usr/bin/env python3
-"""examples/stream.py: the organ moves up and down as a whole, and nothing of the stream is refused."""
+"""examples/stream.py in a simulation: the organ moves up and down as a whole, and nothing of the stream is refused."""
 import unittest
 
 import numpy as np
-from rostest_support import Inbox, Services, run, wait_until
+from rostest_support import Inbox, Services, SimulatorClock, run, wait_until
 
 from organ_collision.msg import MeshInfoArray
 
 
 class ExampleStream(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.clock = SimulatorClock(1000.0)
+
+    def test_the_stream_goes_on_where_the_simulation_starts_anew(self):
+        infos = Inbox("organ_collision/mesh_info", MeshInfoArray)
+        infos.collect(10)
+        self.clock.set(1.0)
+        infos.collect(10)
+
     def test_the_organ_breathes(self):
         infos = Inbox("organ_collision/mesh_info", MeshInfoArray)
         services = Services()

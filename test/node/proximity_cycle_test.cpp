@@ -79,6 +79,7 @@ TEST_F(ProximityCycleTest, TellsInstrumentsAndOrgansInTheScenesFrame) {
   EXPECT_EQ(tools.point_on_second.z, 1.5);
   EXPECT_EQ(tools.normal.z, 1.0);
   EXPECT_EQ(tools.triangle_of_first, -1);
+  EXPECT_EQ(tools.mesh_version_of_first, 0U);
   EXPECT_EQ(tools.lower_bound, 1.25);
   EXPECT_EQ(tools.upper_bound, 1.25);
   EXPECT_FALSE(tools.colliding);
@@ -143,7 +144,11 @@ TEST_F(ProximityCycleTest, HasNewsWhenAFrameOrEitherOrganHasMoved) {
     EXPECT_TRUE(cycle_.lookUp());
     EXPECT_FALSE(cycle_.lookUp());
   }
-  EXPECT_EQ(cycle_.proximities(ros::Time(100.0), {}).proximities[1].distance, 1.0);
+  organs_[1]->update(test::movesOf({7}, {{1, 1, 2}}), UpdateMode::kAuto, 0);  // where it is
+  const Proximity found = cycle_.proximities(ros::Time(100.0), {}).proximities[1];
+  EXPECT_EQ(found.distance, 1.0);
+  EXPECT_EQ(found.mesh_version_of_first, 3U);  // of the stomach, organs_[1]
+  EXPECT_EQ(found.mesh_version_of_second, 2U);
 }
 
 /// Instruments and organs that are bumpy.

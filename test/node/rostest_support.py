@@ -8,6 +8,7 @@ import rospkg
 import rospy
 import rostest
 from geometry_msgs.msg import Point, TransformStamped
+from rosgraph_msgs.msg import Clock
 from shape_msgs.msg import MeshTriangle
 from tf2_msgs.msg import TFMessage
 
@@ -305,6 +306,36 @@ class KeepMoving:
     def __exit__(self, *_):
         self._stop.set()
         self._thread.join()
+
+
+class SimulatorClock:
+    """Publishes /clock 100 times a second."""
+
+    def __init__(self, start):
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._now, self._rate = start, 1.0
+        self._lock = threading.Lock()  # of self._now
+        threading.Thread(target=self._send, daemon=True).start()
+        wait_until(lambda: rospy.get_time() >= start, "the clock")
+
+    def _send(self):
+        while not rospy.is_shutdown():
+            with self._lock:
+                self._now += 0.01 * self._rate
+                now = self._now
+            self._publisher.publish(rospy.Time(now))
+            time.sleep(0.01)
+
+    def set(self, now):
+        with self._lock:
+            self._now = now
+        wait_until(lambda: 0.0 <= rospy.get_time() - now < 1.0, f"the clock to show {now}")
+
+    def stand_still(self):
+        self._rate = 0.0
+
+    def go_on(self):
+        self._rate = 1.0
 
 
 # ---- services

@@ -1,18 +1,17 @@
 #!/usr/bin/env python3
 """The node under a simulator's clock that stands still, jumps and starts anew."""
-import threading
 import time
 import unittest
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rosgraph_msgs.msg import Clock, Log
-from rostest_support import ContactsInbox, Frames, Inbox, KeepMoving, Pose, Services, run, wait_until
+from rosgraph_msgs.msg import Log
+from rostest_support import ContactsInbox, Frames, Inbox, KeepMoving, Pose, Services, SimulatorClock, contact_of, run, wait_until
 
 from organ_collision.msg import Contact
 
-RECOVERY = 1.0  # [s] of wall time, at most, from the first pose after a jump to the first new answer
 START = 1000.0  # [s] on the simulator's clock
+RECOVERY = 1.0  # [s] of wall time, at most, from the first pose after a jump to the first new answer
 QUICK = 1.0  # [s] for a refusal that is decided after a tenth of it
 HEARTBEATS = 5  # contacts come 10 times a second whatever the clock does
 
@@ -21,33 +20,8 @@ def is_ok(contact):
     return contact.status == Contact.OK
 
 
-class SimulatorClock:
-    """Publishes /clock 100 times a second."""
-
-    def __init__(self):
-        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
-        self._now, self._rate = START, 1.0
-        self._lock = threading.Lock()  # of self._now
-        threading.Thread(target=self._send, daemon=True).start()
-
-    def _send(self):
-        while not rospy.is_shutdown():
-            with self._lock:
-                self._now += 0.01 * self._rate
-                now = self._now
-            self._publisher.publish(rospy.Time(now))
-            time.sleep(0.01)
-
-    def set(self, now):
-        with self._lock:
-            self._now = now
-        wait_until(lambda: 0.0 <= rospy.get_time() - now < 1.0, f"the clock to show {now}")
-
-    def stand_still(self):
-        self._rate = 0.0
-
-    def go_on(self):
-        self._rate = 1.0
+def moving_of(array):
+    return contact_of(array, "moving")
 
 
 class SimTime(unittest.TestCase):
@@ -58,8 +32,7 @@ class SimTime(unittest.TestCase):
         cls.before_any_clock = cls.contacts.collect(HEARTBEATS)
         cls.diagnosed_before_any_clock = Inbox("/diagnostics", DiagnosticArray).wait_for()
         log.wait_for(lambda each: "/clock stands at 0" in each.msg)
-        cls.clock = SimulatorClock()
-        wait_until(lambda: rospy.get_time() >= START, "the clock")
+        cls.clock = SimulatorClock(START)
         cls.frames = Frames()
         cls.frames.fix(("liver", "fixed_tip", Pose((0.0, 0.0, 0.3))))
         cls.services = Services()
@@ -105,6 +78,16 @@ class SimTime(unittest.TestCase):
         stale = self.contacts.contact("moving")
         self.assertEqual(stale.status, Contact.STALE)
         self.assertGreater(stale.stamp.to_sec(), START / 2, "it is the last pose that tf told")
+        self.check_recovery()
+
+    def test_a_pose_from_before_a_jump_stays_stale_where_the_clock_comes_to_its_stamp_again(self):
+        stamp = self.contacts.contact("moving").stamp.to_sec()
+        self.clock.set(stamp - 0.5)
+        self.contacts.forget()
+        wait_until(lambda: rospy.get_time() > stamp + 0.2, "the clock to pass the stamp")
+        came_again = [contact for contact in map(moving_of, self.contacts.all()) if contact.age.to_sec() > -0.3]
+        self.assertGreater(len(came_again), 2)
+        self.assertEqual({contact.status for contact in came_again}, {Contact.STALE})
         self.check_recovery()
 
     def test_transforms_that_come_after_the_reset_with_stamps_of_before_do_no_harm(self):

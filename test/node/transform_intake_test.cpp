@@ -68,6 +68,22 @@ TEST_F(TransformIntakeTest, ForgetsWhatMovesWhenTimeJumpsBackAndGoesOnAtOnce) {
   EXPECT_EQ(latest("tip"), 4.0);
 }
 
+TEST_F(TransformIntakeTest, ForgetsWhatMovesWhenTimeJumpsBackThoughTfIsSilent) {
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  EXPECT_EQ(intake_.noteTime(ros::Time(100.0)), "");
+  EXPECT_EQ(intake_.noteTime(ros::Time(100.2)), "");
+  EXPECT_TRUE(knows("tip"));
+  EXPECT_THAT(intake_.noteTime(ros::Time(99.9)), HasSubstr("jumped back by 0.3"));
+  EXPECT_FALSE(knows("tip"));
+  EXPECT_EQ(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0)), "");
+}
+
+TEST_F(TransformIntakeTest, WhatIsRefusedDoesNotStandInTheWayOfWhatIsTrue) {
+  EXPECT_THAT(hear("/tip", 1.0, ros::Time(0), ros::Time(100.0), true, "tip"), HasSubstr("itself"));
+  EXPECT_EQ(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0)), "");
+  EXPECT_EQ(latest("tip"), 2.0);
+}
+
 TEST_F(TransformIntakeTest, WhatTfWouldDropIsRefusedByName) {
   hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
   EXPECT_THAT(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.1)),
@@ -137,15 +153,18 @@ TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
     return onlyOf(intake_.take(message, "/arm", false, ros::Time(1.0)));
   };
   using Transform = geometry_msgs::TransformStamped;
-  EXPECT_EQ(refusal([](Transform& t) { t.transform.rotation.w = 0.0; }),
-            "refused where /arm says that 'tip' is in 'liver': its rotation (0, 0, 0, 0) is not of "
-            "length 1");
+  EXPECT_EQ(
+      refusal([](Transform& t) { t.transform.rotation.w = 0.0; }),
+      "refused where '/arm' says that 'tip' is in 'liver': its rotation (0, 0, 0, 0) is not of "
+      "length 1");
   EXPECT_THAT(refusal([](Transform& t) { t.transform.rotation.x = 2.0; }),
               HasSubstr("(2, 0, 0, 1)"));
   EXPECT_THAT(refusal([](Transform& t) { t.transform.translation.y = std::nan(""); }),
               HasSubstr("not finite"));
   EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "liver"; }), HasSubstr("itself"));
+  EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "/liver"; }), HasSubstr("itself"));
   EXPECT_THAT(refusal([](Transform& t) { t.header.frame_id = ""; }), HasSubstr("no name"));
+  EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "/"; }), HasSubstr("no name"));
   EXPECT_FALSE(knows("tip"));
   EXPECT_EQ(refusal([](Transform&) {}), "");
   EXPECT_TRUE(knows("tip"));

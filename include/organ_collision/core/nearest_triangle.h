@@ -22,12 +22,12 @@ struct Accuracy {
 };
 
 /// Throws std::invalid_argument naming the field and its value.
-[[noreturn]] void refuseError(const char* field, double value);
+[[noreturn]] void refuseNegative(const char* field, double value);
 /// The same unless both errors are finite and >= 0; every query asks that.
 inline void requireUsable(const Accuracy& accuracy) {
   const auto require = [](const char* field, double value) {
     if (!(value >= 0.0 && value < std::numeric_limits<double>::infinity()))
-      refuseError(field, value);
+      refuseNegative(field, value);
   };
   require("max_relative_error", accuracy.max_relative_error);
   require("max_absolute_error", accuracy.max_absolute_error);

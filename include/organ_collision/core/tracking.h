@@ -21,14 +21,16 @@ class Tracker {
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
 
-  /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
+  /// The same as the function of that name gives, bit for bit but for `work` and the sign of a
+  /// zero; of lengths below 1e-150 m another of the nearest may be named. Throws as that does.
   /// Allocates the first time, and where that does.
+  ///
   /// `travel` [m]: of each organ keep one number, from 0 on, and with each refit add the farthest
-  /// that it moved a vertex, rounded up. Where it did not grow with a refit, or the organ is
-  /// another or was rebuilt, what was learnt is forgotten. REQUIRES: where it grew, vertices did
-  /// not move farther, or triangles may be missed. (An older copy that is refitted has another
-  /// history: rebuild it, or to the travel of the latest add the farthest that a vertex is then
-  /// from where it was in that.)
+  /// that it moved a vertex, rounded up. Where it did not grow between two queries with a refit
+  /// between them, or the organ is another or was rebuilt, what was learnt is forgotten. REQUIRES:
+  /// where it grew, vertices did not move farther, or triangles may be missed. (An older copy that
+  /// is refitted has another history: rebuild it, or to the travel of the latest add the farthest
+  /// that a vertex is then from where it was in that.)
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel,
                                   const Eigen::Vector3d& tip, Sign sign = Sign::kProven);
   NearestTriangle nearestTriangle(const CollisionMesh& organ, double travel, const Triangle& tip,
