@@ -63,9 +63,10 @@ Stability measureAll(const Library& library, const Options& options) {
 void run(const Library& library, const Options& options, std::ostream& out) {
   requireWritableFolder(options.output);
   const Stability stability = measureAll(library, options);
+  out << report(stability) << std::flush;  // whatever becomes of the file
   const std::filesystem::path file = options.output / "stability.csv";
   writeFile(file, csv(stability));
-  out << report(stability) << "\nWritten: " << file.string() << std::endl;
+  out << "\nWritten: " << file.string() << std::endl;
   if (!brokenPromises(stability).empty()) throw std::runtime_error("a promise is broken");
 }
 

@@ -27,8 +27,8 @@ using LinkPiece = std::variant<LinkMesh, core::Shape>;
 /// joints one in another by the ten thousands, ends as an error here; it costs a fork, with the
 /// caution at loadMesh(). Throws std::runtime_error naming the link if the document cannot be read,
 /// or unless the link is there and has a <collision>; std::invalid_argument naming the link and the
-/// value unless sizes are above 0, and they and the coordinates of origins below
-/// core::kLargestCoordinate.
+/// value unless sizes are above 0 (a mesh's scale: finite and not 0), and they and the coordinates
+/// of origins below core::kLargestCoordinate.
 std::vector<LinkPiece> linkPieces(const std::string& robot_description, const std::string& link);
 
 /// Such a prism holds the cylinder; its edges are outside by at most 0.5 % of the radius.
