@@ -4,6 +4,7 @@ import concurrent.futures
 import functools
 import os
 import random
+import shlex
 import signal
 import subprocess
 import tempfile
@@ -344,7 +345,7 @@ class Starts(unittest.TestCase):
                 config = launched(file, "rviz:=true")
                 organs = config.params["/organ_collision/scene/organs"].value
                 frame = config.params.get("/organ_collision/scene/frame")
-                options = node_of(config, "rviz").args.split()
+                options = shlex.split(node_of(config, "rviz").args)  # as roslaunch does
                 with open(options[options.index("-d") + 1]) as text:
                     shown = yaml.safe_load(text)["Visualization Manager"]["Global Options"]["Fixed Frame"]
                 if "-f" in options:
@@ -353,10 +354,10 @@ class Starts(unittest.TestCase):
 
     def test_organ_collision_launch_heeds_its_arguments(self):
         config = launched("launch/organ_collision.launch", "prefix:=nice -n 1", "output:=log", "rviz:=true",
-                          "rviz_config:=some.rviz", "rviz_args:=-f liver")
+                          "rviz_config:=my own.rviz", "rviz_args:=-f liver")
         node, rviz = node_of(config, "organ_collision"), node_of(config, "rviz")
         self.assertEqual((node.launch_prefix, node.output), ("nice -n 1", "log"))
-        self.assertEqual(rviz.args, "-d some.rviz -f liver")
+        self.assertEqual(shlex.split(rviz.args), ["-d", "my own.rviz", "-f", "liver"])
         self.assertEqual((node.required, node.respawn, rviz.required), (True, False, True))
         self.assertEqual(config.clear_params, ["/organ_collision/"], "a scene that was there before leaves no keys")
         config = launched("launch/organ_collision.launch", "respawn:=true")
@@ -383,8 +384,8 @@ class Starts(unittest.TestCase):
         self.assertEqual(params["/organ_collision/scene/rate"].value, 77)
 
     def test_demo_launch_hands_its_arguments_to_rviz(self):
-        config = launched("launch/demo.launch", "rviz_config:=some.rviz", "rviz_args:=-f liver")
-        self.assertEqual(node_of(config, "rviz").args, "-d some.rviz -f liver")
+        config = launched("launch/demo.launch", "rviz_config:=my own.rviz", "rviz_args:=-f liver")
+        self.assertEqual(shlex.split(node_of(config, "rviz").args), ["-d", "my own.rviz", "-f", "liver"])
 
 
 if __name__ == "__main__":
