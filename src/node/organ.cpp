@@ -117,8 +117,14 @@ Organ::Applied Organ::applyWithPending(VertexMoves moves) {
     addToPending(std::move(moves));
     moves = pending_.take();
   }
+  return applyOrCount(std::move(moves), "", streamed);
+}
+
+/// Of the moves, `streamed` updates are counted as lost where it throws.
+Organ::Applied Organ::applyOrCount(VertexMoves moves, const std::string& origin,
+                                   std::uint64_t streamed) {
   try {
-    return applyMoves(std::move(moves), "");
+    return applyMoves(std::move(moves), origin);
   } catch (const std::exception&) {  // memory, most likely
     countLostUpdates(streamed);
     throw;
@@ -192,12 +198,7 @@ bool Organ::applyPending() {
     moves = pending_.take();
   }
   if (moves.none()) return false;
-  try {
-    applyMoves(std::move(moves), "streamed: ");
-  } catch (const std::exception&) {  // memory, most likely
-    countLostUpdates(1);
-    throw;
-  }
+  applyOrCount(std::move(moves), "streamed: ", 1);
   return true;
 }
 

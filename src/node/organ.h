@@ -112,6 +112,7 @@ class Organ {
   void addToPending(VertexMoves moves);
   Applied applyWithPending(VertexMoves moves);
   bool applyPending();
+  Applied applyOrCount(VertexMoves moves, const std::string& origin, std::uint64_t streamed);
   Applied applyMoves(VertexMoves moves, const std::string& origin);
   Refit catchUp(OrganSnapshot& state, VertexMoves moves);
   void publishBuilt(OrganSnapshot next, double cost);
