@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "node/conversions.h"
-#include "node/cycle_pace.h"
 #include "node/duty.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
@@ -16,7 +15,7 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr double kSilence = 0.01;           // [s] without tf, before a look whether organs moved
+constexpr double kSilence = 0.01;           // [s] between two looks whether organs moved, at most
 constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
 constexpr double kDiagnosticPeriod = 1.0;   // [s]
 constexpr double kMeshInfoPeriod = 0.1;     // [s] at which refused updates are told
@@ -29,7 +28,7 @@ constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
 constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
 constexpr unsigned kProximitiesQueue = 10;
 
-ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
+ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
   return node;
 }
@@ -48,8 +47,10 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
     : scene_(readScene(private_node)),
       organs_(loadOrgans(scene_, node)),
       instruments_(loadInstruments(scene_, node)),
+      tf_queue_([this](ros::CallbackInterface& tf) { return answerAtOnce(tf); }),
       tf_node_(onQueue(node, tf_queue_)),
       intake_(buffer_),
+      pace_(scene_.rate, ros::SteadyTime::now()),
       cycle_(scene_, instruments_, organs_, buffer_),
       proximity_cycle_(scene_, instruments_, organs_, buffer_),
       accuracy_(scene_.accuracy),
@@ -140,28 +141,46 @@ void CollisionNode::complainOfTf(std::string complaint) {
 
 void CollisionNode::run() {
   const ros::WallDuration silence(kSilence);
-  CyclePace pace(scene_.rate, ros::SteadyTime::now());
+  ros::CallbackQueue& waiting = tf_queue_.waiting();
+  pace_.noteCaughtUp(ros::SteadyTime::now());  // what came while the node was made is not late
   while (ros::ok()) {
-    const ros::WallDuration to_heartbeat = pace.heartbeat() - ros::SteadyTime::now();
-    // One at a time: every pose gets its contact, as long as the rate allows.
-    tf_queue_.callOne(std::clamp(to_heartbeat, ros::WallDuration(0), silence));
+    const ros::WallDuration to_heartbeat = pace_.heartbeat() - ros::SteadyTime::now();
+    tf_queue_.wait(std::clamp(to_heartbeat, ros::WallDuration(0), silence));
+    waiting.callOne();  // one at a time: every pose gets its contact, as long as the rate allows
     ros::SteadyTime now = ros::SteadyTime::now();
-    for (; ros::ok() && now < pace.allowed(); now = ros::SteadyTime::now())
-      tf_queue_.callAvailable(pace.allowed() - now);  // in time: the queue is bounded
+    for (; ros::ok() && now < pace_.allowed(); now = ros::SteadyTime::now())
+      waiting.callAvailable(pace_.allowed() - now);  // in time: the queue is bounded
     // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (pace.isBehind(now) && !tf_queue_.isEmpty()) {
-      tf_queue_.callAvailable();
+    if (pace_.isBehind(now) && !waiting.isEmpty()) {
+      waiting.callAvailable();
       ++troubles_.times_behind;
     }
-    if (tf_queue_.isEmpty()) pace.noteCaughtUp(ros::SteadyTime::now());
-    if (std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
-      complainOfTf(std::move(jump));  // what tf said before is no pose of now, though tf be silent
-    const bool tips_moved = cycle_.lookUpTips();
-    const bool others_moved = proximity_cycle_.lookUp();
-    if (!tips_moved && !others_moved && now < pace.heartbeat()) continue;
-    publishCycle();
-    pace.noteCycle(now);
+    if (waiting.isEmpty()) pace_.noteCaughtUp(ros::SteadyTime::now());
+    answer(now);
+    if (now >= complaints_due_) collectComplaints();
   }
+}
+
+bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!pace_.isPrompt(now)) return false;
+  tf.call();
+  pace_.noteCaughtUp(now);
+  answer(now);
+  return true;
+}
+
+/// What tf has said, and what became of the organs, if that is any news or the heart beats.
+void CollisionNode::answer(ros::SteadyTime now) {
+  if (std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
+    complainOfTf(std::move(jump));  // what tf said before is no pose of now, though tf be silent
+  const bool tips_moved = cycle_.lookUpTips();
+  const bool others_moved = proximity_cycle_.lookUp();
+  if (tips_moved || others_moved || now >= pace_.heartbeat()) {
+    publishCycle();
+    pace_.noteCycle(now);
+  }
+  pace_.noteAnswer(now, ros::SteadyTime::now());
 }
 
 void CollisionNode::publishCycle() {
@@ -174,18 +193,20 @@ void CollisionNode::publishCycle() {
     cycle->proximities = proximity_cycle_.proximities(now, accuracy);
     proximities_publisher_.publish(cycle->proximities);
   }
-  if (const auto steady_now = ros::SteadyTime::now(); steady_now >= complaints_due_) {
-    complaints_due_ = steady_now + ros::WallDuration(kComplaintPeriod);
-    complaints_ = cycle_.complaints(now);
-    for (Complaint& complaint : proximity_cycle_.complaints(now))
-      complaints_.push_back(std::move(complaint));
-    warn(complaints_);
-  }
   cycle->complaints = complaints_;
   cycle->published = ros::SteadyTime::now();
   std::shared_ptr<const Cycle> former = std::move(cycle);
   const std::lock_guard<std::mutex> lock(mutex_);
   last_cycle_.swap(former);  // if nobody reads it, it is freed after the lock
+}
+
+void CollisionNode::collectComplaints() {
+  complaints_due_ = ros::SteadyTime::now() + ros::WallDuration(kComplaintPeriod);
+  const ros::Time now = ros::Time::now();
+  complaints_ = cycle_.complaints(now);
+  for (Complaint& complaint : proximity_cycle_.complaints(now))
+    complaints_.push_back(std::move(complaint));
+  warn(complaints_);
 }
 
 void CollisionNode::warn(const std::vector<Complaint>& complaints) {

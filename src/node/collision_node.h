@@ -17,11 +17,13 @@
 
 #include "node/contact_cycle.h"
 #include "node/cycle.h"
+#include "node/cycle_pace.h"
 #include "node/diagnostics.h"
 #include "node/log_limit.h"
 #include "node/marker_publisher.h"
 #include "node/master_watch.h"
 #include "node/mesh_update_intake.h"
+#include "node/prompt_queue.h"
 #include "node/proximity_cycle.h"
 #include "node/services.h"
 #include "node/signal.h"
@@ -30,10 +32,10 @@
 
 namespace organ_collision::node {
 
-/// The ROS node. Its threads: run() hears tf and publishes contacts; some answer questions, others
-/// ~update_mesh, so that no question waits for a build; one takes in streamed updates, which no
-/// service keeps waiting; one refits the organs to these and swaps in what was rebuilt in the
-/// background.
+/// The ROS node. Its threads: run() hears tf and publishes contacts, or lets roscpp's thread at the
+/// sockets do so while it waits; some answer questions, others ~update_mesh, so that no question
+/// waits for a build; one takes in streamed updates, which no service keeps waiting; one refits the
+/// organs to these and swaps in what was rebuilt in the background.
 /// They meet in the organs' snapshots only.
 class CollisionNode {
  public:
@@ -49,7 +51,10 @@ class CollisionNode {
  private:
   void hearTf(const std::string& topic, bool is_static);
   void complainOfTf(std::string complaint);
+  bool answerAtOnce(ros::CallbackInterface& tf);
+  void answer(ros::SteadyTime now);
   void publishCycle();
+  void collectComplaints();
   void warn(const std::vector<Complaint>& complaints);
   void reconfigure(OrganCollisionConfig& wanted);
   std::shared_ptr<const Cycle> lastCycle() const;
@@ -62,17 +67,18 @@ class CollisionNode {
   const Organs organs_;
   const Instruments instruments_;
 
-  ros::CallbackQueue tf_queue_;  // worked off by run() alone
+  // From here to warn_at_: of run(), and while it waits of the thread that brings what tf says.
+  PromptQueue tf_queue_;
   ros::NodeHandle tf_node_;
   tf2::BufferCore buffer_;
-  TransformIntake intake_;  // run() alone
-  LogLimit tf_log_;         // run() alone
-  std::vector<ros::Subscriber> tf_subscribers_;
-  ContactCycle cycle_;                              // run() alone
-  ProximityCycle proximity_cycle_;                  // run() alone
-  std::vector<Complaint> complaints_;               // run() alone
-  ros::SteadyTime complaints_due_;                  // run() alone
-  std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint; run() alone
+  TransformIntake intake_;
+  LogLimit tf_log_;
+  CyclePace pace_;
+  ContactCycle cycle_;
+  ProximityCycle proximity_cycle_;
+  std::vector<Complaint> complaints_;
+  ros::SteadyTime complaints_due_;
+  std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint
 
   Troubles troubles_;
 
@@ -97,6 +103,7 @@ class CollisionNode {
   Services services_;
   MasterWatch master_watch_;  // of a timer alone
   std::vector<ros::SteadyTimer> timers_;
+  std::vector<ros::Subscriber> tf_subscribers_;  // none answers any more when these are gone
   // Last: their threads end before what they use.
   ros::AsyncSpinner change_spinner_, spinner_;
 };

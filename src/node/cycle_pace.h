@@ -4,10 +4,10 @@
 
 namespace organ_collision::node {
 
-/// When the next cycle is due. At most `rate` a second, or 10 if that is less; but poses that came
-/// late, a tenth of a second of them at most, are answered when they come, and those behind them no
-/// later for it. And 10 a second where nothing is new. Times are of a clock that is neither set nor
-/// simulated.
+/// When the next cycle is due, and in which thread. At most `rate` a second, or 10 if that is less;
+/// but poses that came late, a tenth of a second of them at most, are answered when they come, and
+/// those behind them no later for it. And 10 a second where nothing is new. Times are of a clock
+/// that is neither set nor simulated.
 class CyclePace {
  public:
   /// `rate` [Hz] > 0.
@@ -20,14 +20,21 @@ class CyclePace {
   /// So much has waited for so long that only the newest can be answered in time.
   bool isBehind(ros::SteadyTime now) const;
 
+  /// The thread that brings a pose may answer it, which keeps that thread from all else: the last
+  /// answer took less than half a millisecond, and is over for as long as it took.
+  bool isPrompt(ros::SteadyTime now) const;
+
   void noteCycle(ros::SteadyTime now);
+  /// A look whether a cycle is due, and the cycle, if it was.
+  void noteAnswer(ros::SteadyTime began, ros::SteadyTime ended);
   /// Nothing waits.
   void noteCaughtUp(ros::SteadyTime now) { caught_up_ = now; }
 
  private:
   ros::WallDuration shortest_;  // from one cycle to the next
   ros::WallDuration credit_;    // so far back the rate is made up for
-  ros::SteadyTime last_, allowed_, caught_up_;
+  ros::SteadyTime last_, allowed_, caught_up_, ended_;
+  ros::WallDuration length_;  // of the last answer
 };
 
 }  // namespace organ_collision::node

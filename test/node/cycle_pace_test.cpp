@@ -59,5 +59,20 @@ TEST(CyclePace, IsBehindWhenSomethingHasWaitedForAFifthOfASecond) {
   EXPECT_FALSE(pace.isBehind(after(0.4)));
 }
 
+TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
+  CyclePace pace(100.0, kStart);
+  EXPECT_TRUE(pace.isPrompt(kStart));
+  pace.noteAnswer(after(1.0), after(1.0004));
+  EXPECT_FALSE(pace.isPrompt(after(1.0007)));
+  EXPECT_TRUE(pace.isPrompt(after(1.0009)));
+  pace.noteAnswer(after(2.0), after(2.0006));
+  EXPECT_FALSE(pace.isPrompt(after(3.0)));
+  pace.noteAnswer(after(3.0), after(3.0001));
+  EXPECT_TRUE(pace.isPrompt(after(4.0)));
+  cyclesAt(pace, after(4.0));
+  EXPECT_FALSE(pace.isPrompt(after(4.0)));
+  EXPECT_TRUE(pace.isPrompt(after(4.02)));
+}
+
 }  // namespace
 }  // namespace organ_collision::node
