@@ -35,7 +35,7 @@ class Call : public ros::CallbackInterface {
   int number_;
 };
 
-/// Brings callbacks until it is asked to answer one at once.
+/// Brings callbacks, one when the last is called, until it is asked to answer one at once.
 class Bringer {
  public:
   explicit Bringer(const std::function<bool(ros::CallbackInterface&)>& answer)
@@ -47,7 +47,9 @@ class Bringer {
   /// In a thread of its own, whose id is returned, while the worker does `work`.
   std::thread::id bringWhile(const std::function<void()>& work) {
     std::thread thread([this] {
-      while (!is_asked) queue.addCallback(boost::make_shared<Call>(calls, brought++), kOwner);
+      while (!is_asked)
+        if (queue.waiting().isEmpty())
+          queue.addCallback(boost::make_shared<Call>(calls, brought++), kOwner);
     });
     const std::thread::id id = thread.get_id();
     work();
