@@ -28,7 +28,9 @@ Collapse::Collapse(const FarthestPairTree& tree, const Centroids& centroids)
     if (set.size() <= kTask) continue;
     for (const Set& child : tree.children(set)) pending.push_back(child);
   }
-  tbb::parallel_for_each(tasks, [&](const Set& task) { weighUpwards(nodesOf(task), centroids); });
+  OwnContext context;
+  tbb::parallel_for_each(
+      tasks, [&](const Set& task) { weighUpwards(nodesOf(task), centroids); }, context);
   weighUpwards(above, centroids);
 }
 

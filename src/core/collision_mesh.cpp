@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/for_each.h"
+
 namespace organ_collision::core {
 namespace {
 
@@ -41,8 +43,10 @@ std::uint64_t freshNumber() {
 /// What needs the mesh alone, made side by side.
 struct CollisionMesh::Parts {
   explicit Parts(TriangleMesh whole) : mesh(std::move(whole)), box(boxOf(mesh)) {
+    OwnContext own;
+    tbb::task_group_context& context = own;  // of this very type
     tbb::parallel_invoke([this] { topology = std::make_shared<const MeshTopology>(mesh); },
-                         [this] { tree.emplace(mesh); });
+                         [this] { tree.emplace(mesh); }, context);
   }
 
   TriangleMesh mesh;

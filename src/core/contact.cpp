@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/perhaps_inside.h"
+#include "core/unit_vector.h"
 #include "organ_collision/core/nearest_pair.h"
 
 namespace organ_collision::core {
@@ -74,7 +75,7 @@ NearestTriangle nearestWithin(const Asker& asker, const RoundShape& shape,
 /// any where the two are parallel, but for rounding.
 Vector3d perpendicularTo(const Vector3d& axis, const Vector3d& direction) {
   constexpr double kParallel = 0x1p-20;  // of 1: above it rounding does not decide what is left
-  const Vector3d along = axis.stableNormalized();
+  const Vector3d along = unit(axis);
   const Vector3d perpendicular = direction - along.dot(direction) * along;
   if (perpendicular.norm() < kParallel) return along.unitOrthogonal();
   return (perpendicular - along.dot(perpendicular) * along).normalized();
@@ -83,8 +84,7 @@ Vector3d perpendicularTo(const Vector3d& axis, const Vector3d& direction) {
 /// Unit, from the core into the organ, where its nearest point is.
 Vector3d directionInwards(const NearestTriangle& nearest) {
   const Vector3d& offset = nearest.closest.offset;
-  if (!offset.isZero(0.0))
-    return nearest.distance > 0.0 ? offset.stableNormalized() : -offset.stableNormalized();
+  if (!offset.isZero(0.0)) return (nearest.distance > 0.0 ? 1.0 : -1.0) * unit(offset);
   return nearest.normal.isZero(0.0) ? Vector3d(1, 0, 0) : Vector3d(-nearest.normal);
 }
 

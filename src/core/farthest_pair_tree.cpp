@@ -242,7 +242,8 @@ class FarthestPairTree::Builder {
   Columns centroids_;
   HugePageVector<TriangleId> triangles_;
   std::atomic<std::size_t> depth_ = 0;
-  tbb::task_group tasks_;
+  OwnContext context_;
+  tbb::task_group tasks_{context_};
 };
 
 FarthestPairTree::FarthestPairTree(const TriangleMesh& mesh) : nodes_(mesh.triangleCount() - 1) {

@@ -14,6 +14,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/for_each.h"
+
 namespace organ_collision::core {
 namespace {
 
@@ -227,6 +229,7 @@ class MeshTopology::Inspector {
 };
 
 void MeshTopology::inspect(const TriangleMesh& mesh) {
+  OwnContext context;
   const Findings findings = tbb::parallel_reduce(
       tbb::blocked_range<Weld>(0, static_cast<Weld>(representatives_.size()), kWeldsPerTask),
       Findings(),
@@ -241,7 +244,8 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
                         first.consistently_wound && second.consistently_wound,
                         first.one_fan_each && second.one_fan_each,
                         first.duplicate_triangles + second.duplicate_triangles};
-      });
+      },
+      context);
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;

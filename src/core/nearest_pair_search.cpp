@@ -9,6 +9,7 @@
 #include "core/kernels/kernels.h"
 #include "core/nearest_search.h"
 #include "core/rigid_pose.h"
+#include "core/unit_vector.h"
 #include "organ_collision/core/sign.h"
 
 namespace organ_collision::core {
@@ -16,6 +17,8 @@ namespace {
 
 /// Sizes of a surface: where the other's middle is farther, its boxes are not to be told apart.
 constexpr double kTooFar = 0x1p60;
+/// Sizes of a surface that is so much larger cannot be squared beside those of the other.
+constexpr double kTooLarge = 0x1p500;
 /// Sizes of a surface: where all of the other is farther, its triangles are equally far but for
 /// rounding of 4*u*extent, and any of them will do.
 constexpr double kAllAlike = 0x1p58;
@@ -38,6 +41,13 @@ AffineMap affineMap(const Eigen::Matrix3d& linear, const Eigen::Vector3d& offset
     for (int column = 0; column < 3; ++column) map.linear[row][column] = linear(row, column);
   }
   return map;
+}
+
+/// Of a distance that is the least before a pose: how much of it, at least, the least one is after.
+double leftByStretch(const Eigen::Matrix3d& linear) {
+  constexpr double kRotation = 0x1p-49;  // what rounding makes of one
+  const double stretch = stretchOf(linear);
+  return stretch > kRotation ? std::sqrt((1.0 - stretch) / (1.0 + stretch)) : 1.0;
 }
 
 /// Room for the pairs that wait while two trees of that many levels together are searched; the
@@ -96,15 +106,16 @@ NearestPair NearestPairSearch::run() {
   if (!is_limited_) measureToAndFro();
   if (!isTooFar()) {
     kernels().walkPairs(*this);
-  } else if (is_limited_ || !areFarApart()) {
-    unopened = 0.0;
+  } else {
+    unopened = is_limited_ || !areFarApart() ? 0.0 : best * leftByStretch(pose_.linear());
   }
   return answer();
 }
 
 bool NearestPairSearch::isTooFar() const {
   return !(largestCoordinate(second_from_first.offset) < kTooFar) ||
-         !(largestCoordinate(first_from_second.offset) < kTooFar);
+         !(largestCoordinate(first_from_second.offset) < kTooFar) || largest_scale > kTooLarge ||
+         least_scale < 1.0 / kTooLarge;
 }
 
 bool NearestPairSearch::isBlurred() const {
@@ -194,7 +205,7 @@ void NearestPairSearch::measure(FarthestPairTree::Leaf leaf_of_first,
   best_leaves_ = leaves;
   squared_best_ = squared_distance;
   best = std::min(best, std::sqrt(squared_distance) * second_.wideTree().frame().scale);
-  const Eigen::Vector3d along = candidate.on_second.offset.stableNormalized();
+  const Eigen::Vector3d along = unit(candidate.on_second.offset);
   axis = {along.x(), along.y(), along.z()};
 }
 

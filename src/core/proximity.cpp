@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/perhaps_inside.h"
-#include "core/plane_coordinates.h"
+#include "core/unit_vector.h"
 #include "organ_collision/core/contact.h"
 #include "organ_collision/core/nearest_pair.h"
 #include "organ_collision/core/triangle_distance.h"
@@ -16,16 +16,12 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-Vector3d unitOrZero(const Vector3d& vector) {
-  return vector.isZero(0.0) ? Vector3d(Vector3d::Zero()) : vector.stableNormalized();
-}
-
 /// Unit, from the first core to the second; where two axes cross, perpendicular to both; else zero.
 Vector3d direction(const ClosestPair& pair, const Triangle& first, const Triangle& second) {
   const Vector3d& offset = pair.on_second.offset;
-  if (!offset.isZero(0.0)) return offset.stableNormalized();
-  const Vector3d along_first = unitOrZero(first.b - first.a);
-  return unitOrZero(accurateCross(along_first, unitOrZero(second.b - second.a)));
+  if (!offset.isZero(0.0)) return unit(offset);
+  const Vector3d along_first = unit(first.b - first.a);
+  return unit(accurateCross(along_first, unit(second.b - second.a)));
 }
 
 Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {
@@ -60,9 +56,9 @@ Proximity toMesh(const NearestTriangle& nearest, double radius, bool colliding_c
   const bool inside =
       of_core < 0.0 ||
       (of_core == 0.0 && offset.dot(nearest.closest.point - nearest.tip_point) > 0.0);
-  Vector3d normal = (inside ? -1.0 : 1.0) * unitOrZero(offset);
+  Vector3d normal = (inside ? -1.0 : 1.0) * unit(offset);
   // Where the core crosses the surface, both points are as far apart as the radius reaches.
-  if (normal.isZero(0.0)) normal = unitOrZero(nearest.tip_point - nearest.closest.point);
+  if (normal.isZero(0.0)) normal = unit(nearest.tip_point - nearest.closest.point);
   if (normal.isZero(0.0)) normal = -nearest.normal;
   return transformed({nearest.tip_point, nearest.closest.point, normal, nearest.distance,
                       nearest.lower_bound, nearest.upper_bound, nearest.distance <= 0.0,

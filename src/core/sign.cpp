@@ -7,6 +7,7 @@
 
 #include "core/for_each_leaf.h"
 #include "core/plane_coordinates.h"
+#include "core/unit_vector.h"
 #include "organ_collision/core/predicates.h"
 
 namespace organ_collision::core {
@@ -16,18 +17,6 @@ namespace {
 // a sine above it is right to 8u / kClear, a sum of normals longer than it to 8u / kClear^2, and
 // that is far below kClear.
 constexpr double kClear = 0x1p-12;
-
-/// Times a power of two, so that no product of four over- or underflows.
-Eigen::Vector3d madeSafe(const Eigen::Vector3d& v) {
-  return v.isZero(0.0) ? v : Eigen::Vector3d(normalisingFactor(largestCoordinate(v)) * v);
-}
-
-/// To length 1; 0 remains 0.
-Eigen::Vector3d unit(const Eigen::Vector3d& v) {
-  const double squared = squaredLength(v);
-  if (isSafe(squared)) return v / std::sqrt(squared);
-  return v.isZero(0.0) ? v : unit(madeSafe(v));
-}
 
 /// A triangle as one of its corners sees it, but for a factor.
 struct Wedge {

@@ -279,6 +279,15 @@ TEST(Contact, OfSeveralPiecesIsCertainIfOneCollidesOrAllAreCertain) {
   EXPECT_TRUE(contact(organ, {away, on}, Eigen::Isometry3d::Identity()).colliding_certain);
 }
 
+TEST(Contact, OfASphereWhoseCentreIsAllButOnTheOrganHasItsPointOnTheSphere) {
+  const CollisionMesh organ(
+      TriangleMesh({{0, 0, 0}, {-1, 0, 0}, {0, -1, 0}}, {test::corners(0, 1, 2)}));
+  for (const double off : {1e-300, 1e-320, 5e-324}) {
+    const Sphere sphere{{off, off, 0}, 0.01};
+    EXPECT_NEAR((contact(organ, sphere).nearest.tip_point - sphere.centre).norm(), 0.01, 1e-17);
+  }
+}
+
 TEST(Contact, OfACapsuleThatIsNearlyASphereHasItsPointTowardsTheOrgan) {
   std::mt19937 generator(61);
   const CollisionMesh organ(test::cube());

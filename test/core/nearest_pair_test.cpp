@@ -138,6 +138,62 @@ TEST(NearestPair, OfWhatIsTooFarOrTooLargeToTellTrianglesApartAsksNotAllPairs) {
   check(at(0.0, 0.0, 3.0), astray, nearestPair(tool, at(0.0, 0.0, 3.0), tool).nearest.distance);
 }
 
+/// Of all pairs of their triangles.
+double leastDistance(const CollisionMesh& first, const Isometry3d& pose,
+                     const CollisionMesh& second) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Corners& corners : first.mesh().triangles()) {
+    const auto [a, b, c] = first.mesh().triangle(corners);
+    for (const Corners& others : second.mesh().triangles())
+      least = std::min(least,
+                       closestPoints({pose * a, pose * b, pose * c}, second.mesh().triangle(others))
+                           .on_second.squared_distance);
+  }
+  return std::sqrt(least);
+}
+
+/// Beside the large one, what is small has sizes of which no square is a double.
+TEST(NearestPair, ProvesNothingOfWhatIsInTheMiddleOfAnOrganOf2To500OfItsSizes) {
+  std::mt19937 generator(3);
+  for (const auto& [large, small] : {std::pair(1e150, 1e-5), std::pair(1e6, 1e-149)}) {
+    const CollisionMesh tool(test::placed(test::blob(1), small, {0, 0, 0}));
+    for (int i = 0; i < 50; ++i) {
+      Points positions = test::blob(2).positions();
+      const Eigen::Matrix3d turn = large * test::randomPose(generator, 0.0).linear();
+      for (Eigen::Vector3d& position : positions) position = turn * position;
+      const CollisionMesh organ({positions, test::blob(2).triangles()});
+      const Box& box = organ.health().box;
+      const Isometry3d pose(Eigen::Translation3d(0.5 * box.low + 0.5 * box.high));
+      const double least = leastDistance(tool, pose, organ);
+      for (const Accuracy& accuracy : {Accuracy{}, Accuracy{0.0, 0.0, 2}, Accuracy{0.0, 0.0, 1000}})
+        for (const NearestTriangle& nearest :
+             {nearestPair(tool, pose, organ, accuracy).nearest,
+              nearestPair(organ, pose.inverse(), tool, accuracy).nearest}) {
+          ASSERT_EQ(std::max(nearest.lower_bound, -nearest.upper_bound), 0.0);
+          ASSERT_GE(std::abs(nearest.distance), least * (1 - 1e-12));
+        }
+    }
+  }
+}
+
+/// Where it is as good as a point, the nearest triangle to it is looked for before the pose.
+TEST(NearestPair, BoundsWhatAPoseThatStretchesMakesOfATinySurfaceFarAway) {
+  std::mt19937 generator(2);
+  const CollisionMesh organ(test::blob(2));
+  const CollisionMesh tiny(test::placed(test::cube(), 1e-19, {0, 0, 0}));
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Matrix3d turn = test::randomPose(generator, 0.0).linear();
+    Isometry3d pose = test::randomPose(generator, 1.0);
+    pose.translation() *= 0.3 / pose.translation().norm();
+    const bool stretches = i % 2 == 0;
+    if (stretches) pose.linear() *= turn * Vector3d(1.03, 1, 1).asDiagonal() * turn.transpose();
+    const NearestTriangle nearest = nearestPair(organ, pose, tiny).nearest;
+    const double least = leastDistance(organ, pose, tiny) * (1 + 1e-14);
+    ASSERT_LE(std::max(nearest.lower_bound, -nearest.upper_bound), least);
+    ASSERT_EQ(nearest.isExact(), !stretches);
+  }
+}
+
 /// As of a simulation that blew up: beside it the other surface is no more than a point.
 TEST(NearestPair, ProvesNothingOfASurfaceWithAVertexInAnotherGalaxy) {
   std::mt19937 generator(12);
@@ -146,18 +202,11 @@ TEST(NearestPair, ProvesNothingOfASurfaceWithAVertexInAnotherGalaxy) {
     CollisionMesh organ(test::blob(2));
     organ.refit({static_cast<VertexId>(generator() % 66)}, {{1e18, 3e17, -2e17}});
     const Isometry3d pose = test::randomPose(generator, 1.0);
-    double least = std::numeric_limits<double>::infinity();
-    for (const Corners& corners : tool.mesh().triangles()) {
-      const auto [a, b, c] = tool.mesh().triangle(corners);
-      for (const Corners& others : organ.mesh().triangles())
-        least = std::min(
-            least, closestPoints({pose * a, pose * b, pose * c}, organ.mesh().triangle(others))
-                       .on_second.squared_distance);
-    }
+    const double least = leastDistance(tool, pose, organ);
     for (const NearestTriangle& nearest : {nearestPair(tool, pose, organ).nearest,
                                            nearestPair(organ, pose.inverse(), tool).nearest}) {
       ASSERT_EQ(nearest.lower_bound, 0.0);
-      ASSERT_GE(nearest.upper_bound, std::sqrt(least) - 1e-15);
+      ASSERT_GE(nearest.upper_bound, least - 1e-15);
     }
     const RigidMesh shape{std::make_shared<const CollisionMesh>(tool), pose};
     const Contact touching = contact(organ, Shape(shape));

@@ -21,12 +21,13 @@ struct NearestPair {
 /// the first moved by the pose; of several it names the first in the hierarchies' order. But
 /// - where surfaces meet, any two triangles that do;
 /// - where one is farther than 2^58 of its sizes from the other, any two that are as near but for
-///   4*u*extent;
+///   4*u*extent, and where the pose stretches, for as much as it does: the lower bound tells;
 /// - where it is farther than some 2^40 of them, or one is 2^16 times as large as the other,
 ///   rounding lets hardly any pairs be left out: at most 2^16 are looked at, and the bounds tell
 ///   what that was worth;
 /// - where the other's middle is farther than 2^60 sizes of a surface that is not, as one with a
-///   vertex that far astray: then the lower bound is 0.
+///   vertex that far astray, or where one that is not is 2^500 times as large as the other: then
+///   the lower bound is 0.
 /// max_leaves counts pairs of triangles; 1 is the paper's search from the middle of the first's
 /// box, and back. Throws std::invalid_argument for an accuracy that is not usable, or a pose that
 /// is not rigid.

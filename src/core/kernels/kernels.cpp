@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 
+#include "core/for_each.h"
 #include "organ_collision/core/vector_unit.h"
 
 namespace organ_collision::core {
@@ -34,13 +35,14 @@ const Kernels& kernels() {
 PlainBox boxOfPoints(const double* points, std::size_t count) {
   constexpr std::size_t kGrain = 8192;  // points that are worth a task
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  OwnContext context;
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, count, kGrain),
       PlainBox{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, true},
       [points](const auto& some, const PlainBox& box) {
         return joined(box, kernels().boxOf(points + 3 * some.begin(), some.size()));
       },
-      joined);
+      joined, context);
 }
 
 }  // namespace organ_collision::core
