@@ -1,94 +1,61 @@
 #include <algorithm>
+#include <array>
 #include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 
 #include "mesh_readers.h"
-#include "text_lines.h"
 
 namespace organ_collision::io {
 namespace {
 
-/// The words of a text, whatever lines they are on. Errors name the line.
-class Words {
- public:
-  explicit Words(std::string_view text) : lines_(text) {}
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kDigitsAndBlanks = "0123456789 \t\r\n";
 
-  bool atEnd() {
-    while (next_ >= lines_.words().size()) {
-      next_ = 0;
-      if (!lines_.next()) return true;
-    }
-    return false;
-  }
-  std::string_view take(const char* wanted) {
-    if (atEnd()) lines_.require(wanted);  // which throws
-    return lines_.words()[next_++];
-  }
-  bool nextIs(const char* word) { return !atEnd() && lines_.words()[next_] == word; }
-  void expect(const char* word) {
-    if (take(word) != word) lines_.refuse(std::string("the word ") + word + " is wanted");
-  }
-  void expectNumber() {
-    take("a number");
-    lines_.real(next_ - 1);
-  }
-  void skipLine() { next_ = lines_.words().size(); }
-
- private:
-  TextLines lines_;
-  std::size_t next_ = 0;
+/// Where numbers begin: behind a name and, with or without blanks between them, what follows it.
+struct Opening {
+  std::string_view name;
+  std::array<std::string_view, 2> then;  // of each, one of these characters; none: nothing
 };
 
-/// As assimp tells them apart: a binary file may begin with "solid", too.
-bool isBinaryStl(std::string_view bytes) {
-  constexpr std::size_t kHeader = 80;
-  constexpr std::size_t kFacet = 50;
-  std::uint32_t count = 0;
-  if (bytes.size() < kHeader + sizeof count) return false;
-  std::memcpy(&count, bytes.data() + kHeader, sizeof count);
-  return bytes.size() == kHeader + sizeof count + kFacet * count;
+/// Where the first that is not one of some characters is; the end, if there is none.
+std::size_t behind(std::string_view characters, std::string_view text, std::size_t at) {
+  return std::min(text.find_first_not_of(characters, at), text.size());
 }
 
-void checkFacet(Words& words) {
-  for (const char* const word : {"facet", "normal"}) words.expect(word);
-  for (int i = 0; i < 3; ++i) words.take("a normal");  // often nan, and of no use
-  for (const char* const word : {"outer", "loop"}) words.expect(word);
-  for (int i = 0; i < 3; ++i) {
-    words.expect("vertex");
-    for (int k = 0; k < 3; ++k) words.expectNumber();
+/// `at` is behind the name; npos if something else follows.
+std::size_t behindOpening(const Opening& opening, std::string_view text, std::size_t at) {
+  for (const std::string_view characters : opening.then) {
+    if (characters.empty()) continue;
+    at = behind(kBlanks, text, at);
+    if (at == text.size() || characters.find(text[at]) == characters.npos) return text.npos;
+    ++at;
   }
-  for (const char* const word : {"endloop", "endfacet"}) words.expect(word);
+  return at;
 }
 
 }  // namespace
 
-void checkStl(std::string_view bytes) {
-  const bool may_be_text =
-      !isBinaryStl(bytes) && Words(bytes).take("solid").substr(0, 5) == "solid";
-  if (!may_be_text) return;
-  Words words(bytes);
-  while (!words.atEnd()) {
-    words.expect("solid");
-    words.skipLine();  // its name
-    while (words.nextIs("facet")) checkFacet(words);
-    words.expect("endsolid");
-    words.skipLine();
-  }
-}
-
 void checkDae(std::string_view text) {
-  for (const std::string_view tag : {"<p>", "<vcount>", " meter=\""}) {
-    for (std::size_t at = text.find(tag); at != text.npos; at = text.find(tag, at)) {
-      at = std::min(text.find_first_not_of("0123456789 \t\r\n", at + tag.size()), text.size());
+  for (const Opening& opening :
+       {Opening{"<p", {">"}}, Opening{"<vcount", {">"}}, Opening{"meter", {"=", "\"'"}}}) {
+    std::size_t next = 0;
+    while ((next = text.find(opening.name, next)) != text.npos) {
+      next += opening.name.size();
+      std::size_t at = behindOpening(opening, text, next);
+      if (at == text.npos) continue;
+      at = next = behind(kDigitsAndBlanks, text, at);
       if (text.substr(at, 1) != "-") continue;
       const auto line = 1 + std::count(text.begin(), text.begin() + at, '\n');
       throw std::invalid_argument("line " + std::to_string(line) + ": a number after " +
-                                  std::string(tag) + " is below 0");
+                                  std::string(opening.name) + " is below 0");
     }
   }
+}
+
+void checkGltf(std::string_view bytes) {
+  if (bytes.find("\"extensionsRequired\"") != bytes.npos)
+    throw std::invalid_argument("it asks for extensions of glTF, of which none is known here");
 }
 
 }  // namespace organ_collision::io

@@ -1,5 +1,6 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
+#include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -9,34 +10,20 @@
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
-#include <functional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "mesh_draft.h"
 #include "mesh_readers.h"
+#include "welded_mesh.h"
 
 namespace organ_collision::io {
 namespace {
 
-using Position = std::array<double, 3>;
-
-struct PositionHash {
-  std::size_t operator()(const Position& position) const {
-    const std::hash<double> hash;  // the same for 0 and -0, which are equal
-    std::size_t sum = 0;
-    for (const double coordinate : position) sum = sum * 1'000'003 + hash(coordinate);
-    return sum;
-  }
-};
-
-/// Gathers the meshes of a scene into one; vertices of exactly one position become one, in the
-/// order of first appearance.
+/// Gathers the meshes of a scene into one.
 class Gatherer {
  public:
   void add(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& root_from_parent) {
@@ -44,16 +31,16 @@ class Gatherer {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (root_from_node.topLeftCorner<3, 3>().determinant() == 0.0)
         refuse(node, "its scale, or the file's unit, is 0");
-      add(*scene.mMeshes[node.mMeshes[i]], root_from_node);
+      const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+      if (mesh.HasBones()) refuse(node, "bones move its mesh");
+      add(mesh, root_from_node);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
       add(scene, *node.mChildren[i], root_from_node);
     }
   }
 
-  core::TriangleMesh mesh() && {
-    return {std::move(draft_.positions), std::move(draft_.triangles)};
-  }
+  core::TriangleMesh mesh() && { return std::move(welded_).mesh(); }
 
  private:
   [[noreturn]] static void refuse(const aiNode& node, const std::string& why) {
@@ -83,27 +70,22 @@ class Gatherer {
         corners.push_back(vertex(mesh, face.mIndices[k], root_from_node));
       }
       if (mirrored) std::swap(corners[1], corners[2]);
-      addPolygon(draft_, corners);
+      welded_.addTriangle(corners);
     }
   }
 
   core::VertexId vertex(const aiMesh& mesh, unsigned i, const Eigen::Matrix4d& root_from_node) {
     if (i >= mesh.mNumVertices) {
-      throw std::invalid_argument("triangle " + std::to_string(draft_.triangles.size()) +
+      throw std::invalid_argument("triangle " + std::to_string(welded_.triangleCount()) +
                                   " names a vertex that does not exist");
     }
     const aiVector3D& in_node = mesh.mVertices[i];
     const Eigen::Vector3d position =
         (root_from_node * Eigen::Vector4d(in_node.x, in_node.y, in_node.z, 1.0)).head<3>();
-    const core::VertexId next{static_cast<std::uint32_t>(draft_.positions.size())};
-    const auto [known, is_new] =
-        vertices_.try_emplace({position.x(), position.y(), position.z()}, next);
-    if (is_new) addVertex(draft_, position);
-    return known->second;
+    return welded_.vertex(position);
   }
 
-  MeshDraft draft_;
-  std::unordered_map<Position, core::VertexId, PositionHash> vertices_;
+  WeldedMesh welded_;
 };
 
 /// Opens one file and no other that it may name: meshes may be read from one folder only.
@@ -162,22 +144,35 @@ class LogOfLosses {
   LogOfLosses& operator=(const LogOfLosses&) = delete;
 };
 
+/// What is not of the format that the extension names, assimp reads by what is in it: also OBJ, PLY
+/// and OFF, whose numbers it does not keep.
+void requireRead(const Assimp::Importer& importer, const std::string& extension) {
+  const int index = importer.GetPropertyInteger("importerIndex", -1);
+  const aiImporterDesc* const format =
+      index < 0 ? nullptr : importer.GetImporterInfo(static_cast<std::size_t>(index));
+  if (format == nullptr) throw std::runtime_error("assimp does not say as what it read it");
+  std::istringstream extensions(format->mFileExtensions);
+  for (std::string each; extensions >> each;)
+    if (extension == "." + each) return;
+  throw std::invalid_argument("is no " + extension + ", but what the " + format->mName + " reads");
+}
+
 }  // namespace
 
-core::TriangleMesh readWithAssimp(const std::filesystem::path& file) {
+core::TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::string& extension) {
   std::string first_loss;
   const LogOfLosses log(first_loss);
   Assimp::Importer importer;
-  // Else it would guess by what is in it, also OBJ, PLY and OFF, whose numbers it does not keep.
-  if (!importer.IsExtensionSupported(file.extension().string()))
-    throw std::invalid_argument("the extension '" + file.extension().string() +
-                                "' names no format of meshes");
+  if (!importer.IsExtensionSupported(extension))
+    throw std::invalid_argument("the extension '" + extension + "' names no format of meshes");
   importer.SetIOHandler(new OneFile(file.string()));  // NOLINT: the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // invented, to show bones
   const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(importer.GetErrorString());
   }
+  requireRead(importer, extension);
   if (!first_loss.empty()) throw std::runtime_error("assimp says: " + first_loss);
   Gatherer gatherer;
   gatherer.add(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity());

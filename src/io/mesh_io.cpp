@@ -58,9 +58,10 @@ core::TriangleMesh readMesh(const std::filesystem::path& file) {
   if (extension == ".obj") return readObj(contents(file));
   if (extension == ".off") return readOff(contents(file));
   if (extension == ".ply") return readPly(contents(file));
-  if (extension == ".stl") checkStl(contents(file));
+  if (extension == ".stl") return readStl(contents(file));
   if (extension == ".dae") checkDae(contents(file));
-  return readWithAssimp(file);
+  if (extension == ".gltf" || extension == ".glb") checkGltf(contents(file));
+  return readWithAssimp(file, extension);
 }
 
 // ---- a mesh as bytes, for the way from the child to here

@@ -45,6 +45,7 @@ core::TriangleMesh readObj(std::string_view text) {
     const std::string_view keyword = lines.words().front();
     if (keyword == "v") {
       addVertex(draft, {lines.real(1), lines.real(2), lines.real(3)});
+      for (std::size_t i = 4; i < lines.words().size(); ++i) lines.real(i);  // weight, colour
     } else if (keyword == "f") {
       corners.clear();
       for (std::size_t i = 1; i < lines.words().size(); ++i) {

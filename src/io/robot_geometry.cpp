@@ -77,7 +77,8 @@ core::Shape box(const std::string& link, const LinkGeometry& geometry) {
 
 core::Shape cylinder(const std::string& link, const LinkGeometry& geometry) {
   const double radius = size(link, "cylinder's radius", geometry.size[0]);
-  return convex(prismMesh(radius / std::cos(M_PI / kCylinderSides),
+  const double of_prism = radius / std::cos(M_PI / kCylinderSides);
+  return convex(prismMesh(size(link, "cylinder's radius, with a prism about it,", of_prism),
                           size(link, "cylinder's length", geometry.size[1]), kCylinderSides),
                 origin(link, geometry));
 }

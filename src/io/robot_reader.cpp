@@ -56,16 +56,31 @@ const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string
   refuse("there is none of this name; there are: " + known);
 }
 
+/// urdfdom leaves out all but the first.
+void requireOneShape(const TiXmlElement& collision) {
+  std::size_t count = 0;
+  const TiXmlElement* geometry = collision.FirstChildElement("geometry");
+  for (; geometry != nullptr; geometry = geometry->NextSiblingElement("geometry")) {
+    const TiXmlElement* shape = geometry->FirstChildElement();
+    for (; shape != nullptr; shape = shape->NextSiblingElement()) ++count;
+  }
+  if (count > 1)
+    refuse("a <collision> has " + std::to_string(count) + " shapes, but one is wanted");
+}
+
 /// How many <collision> the text has: urdfdom leaves out those after one that it cannot read.
 std::size_t collisionCount(const std::string& robot_description, const std::string& link) {
   TiXmlDocument document;
   document.Parse(robot_description.c_str());
   std::size_t count = 0;
-  const TiXmlElement* each = document.RootElement()->FirstChildElement("link");
+  const TiXmlElement* each = document.FirstChildElement("robot")->FirstChildElement("link");
   for (; each != nullptr; each = each->NextSiblingElement("link")) {
     if (each->Attribute("name") != link) continue;
     const TiXmlElement* collision = each->FirstChildElement("collision");
-    for (; collision != nullptr; collision = collision->NextSiblingElement("collision")) ++count;
+    for (; collision != nullptr; collision = collision->NextSiblingElement("collision")) {
+      requireOneShape(*collision);
+      ++count;
+    }
   }
   return count;
 }

@@ -100,6 +100,9 @@ void answer(int pipe, char kind, const std::string& text) {
 
 // ---- in the parent
 
+/// By another part of this program, or by the system, where SIGCHLD is ignored.
+constexpr int kTaken = -1;
+
 /// Owns the child and the reading end of its pipe: neither outlives it.
 class Child {
  public:
@@ -125,14 +128,13 @@ class Child {
 
   int pipe() const { return pipe_; }
 
-  /// Kills the child if it still runs. Returns its status as of waitpid, -1 if somebody else took
-  /// it.
+  /// Kills the child if it still runs. Returns its status as of waitpid, or kTaken.
   int end() {
     if (pid_ < 0) return status_;
     ::kill(pid_, SIGKILL);
     while (::waitpid(pid_, &status_, 0) < 0) {
       if (errno == EINTR) continue;
-      status_ = -1;
+      status_ = kTaken;
       break;
     }
     pid_ = -1;
@@ -187,7 +189,9 @@ std::string readAnswer(const std::string& what, int pipe, const ChildLimits& lim
 }
 
 std::string ending(int status) {
-  if (status == -1) return "its exit status was taken by another part of this program";
+  if (status == kTaken)
+    return "ended, and nobody can say how: this program ignores SIGCHLD, or another part of it "
+           "took the exit status";
   if (!WIFSIGNALED(status)) return "ended with exit code " + std::to_string(WEXITSTATUS(status));
   return std::string("crashed: ") + ::strsignal(WTERMSIG(status));
 }
@@ -195,7 +199,9 @@ std::string ending(int status) {
 }  // namespace
 
 ChildLimits limitsFor(std::uintmax_t size, const LoadLimits& limits) {
-  return {limits.seconds + limits.seconds_per_megabyte * static_cast<double>(size) * 1e-6,
+  constexpr double kLongest = 1e9;  // [s] which clocks can add
+  return {std::min(kLongest,
+                   limits.seconds + limits.seconds_per_megabyte * static_cast<double>(size) * 1e-6),
           limits.memory + limits.memory_per_byte * size};
 }
 
@@ -204,7 +210,9 @@ std::string runInChild(const std::string& what, const std::function<std::string(
   Child child(job, limits);
   std::string answer = readAnswer(what, child.pipe(), limits);
   // The pipe is closed by the child's end only, so its status is settled.
-  if (const int status = child.end(); status != 0) refuse(what, ending(status));
+  const int status = child.end();
+  const bool is_taken = status == kTaken;  // then takeItems() tells whether an answer is whole
+  if (status != 0 && (!is_taken || answer.empty())) refuse(what, ending(status));
   const char kind = answer.empty() ? kRefusal : answer.front();
   answer.erase(0, 1);
   if (kind != kResult) refuse(what, answer);

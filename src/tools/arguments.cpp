@@ -1,6 +1,7 @@
 #include "arguments.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -85,15 +86,17 @@ double Arguments::aboveZero(const std::string& name, double otherwise) const {
   return value;
 }
 
-std::size_t Arguments::whole(const std::string& name, std::size_t otherwise) const {
-  constexpr std::size_t kMostDigits = 15;
+std::size_t Arguments::whole(const std::string& name, std::size_t otherwise, std::size_t least,
+                             std::size_t most) const {
   const std::optional<std::string> text = option(name);
   if (!text) return otherwise;
-  if (text->empty() || text->size() > kMostDigits ||
-      text->find_first_not_of("0123456789") != std::string::npos) {
-    refuse(name, *text, "a whole number of at most 15 digits");
-  }
-  return std::stoull(*text);
+  std::size_t value = 0;
+  const char* const end = text->data() + text->size();
+  const auto [stop, error] = std::from_chars(text->data(), end, value);
+  if (error != std::errc() || stop != end || value < least || value > most)
+    refuse(name, *text,
+           "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  return value;
 }
 
 std::optional<std::filesystem::path> findPackage(const std::string& package) {

@@ -28,8 +28,9 @@ class Arguments {
 
   /// The option's number, or `otherwise`. Throws UsageError unless it is finite and above 0.
   double aboveZero(const std::string& name, double otherwise) const;
-  /// The same for a whole number of 0 or more.
-  std::size_t whole(const std::string& name, std::size_t otherwise) const;
+  /// The same for a whole number from `least` to `most`.
+  std::size_t whole(const std::string& name, std::size_t otherwise, std::size_t least = 0,
+                    std::size_t most = 999'999'999'999'999) const;
 
  private:
   std::vector<std::string> words_;

@@ -38,13 +38,8 @@ struct Options {
 Options optionsFrom(const std::vector<std::string>& words) {
   const Arguments arguments(words, {"--output", "--seed", "--steps"});
   arguments.requireNoWords();
-  Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
-                  arguments.whole("--steps", 10'000)};
-  if (options.steps < 1 || options.steps > kMostSteps) {
-    throw UsageError("--steps " + std::to_string(options.steps) + ": 1 to " +
-                     std::to_string(kMostSteps) + " are wanted");
-  }
-  return options;
+  return {arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
+          arguments.whole("--steps", 10'000, 1, kMostSteps)};
 }
 
 std::vector<PaperRow> measureAll(const Options& options) {

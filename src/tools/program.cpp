@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <stdexcept>
 
 #include "arguments.h"
@@ -22,6 +23,9 @@ int runProgram(const Program& program, const std::vector<std::string>& words, st
   } catch (const UsageError& error) {
     errors << program.name << ": " << error.what() << "; --help shows how it is used" << std::endl;
     return 2;
+  } catch (const std::bad_alloc&) {
+    errors << program.name << ": there is not enough memory" << std::endl;
+    return 1;
   } catch (const std::exception& error) {
     errors << program.name << ": " << error.what() << std::endl;
     return 1;

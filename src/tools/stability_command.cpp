@@ -14,6 +14,7 @@ namespace organ_collision::tools {
 namespace {
 
 constexpr std::size_t kFewestSamples = 100;  // one tip in each class
+constexpr std::size_t kMostSamples = 100'000'000;
 
 constexpr const char* kUsage =
     "usage: measure_stability [--output DIR] [--seed N] [--samples N]\n"
@@ -38,13 +39,8 @@ struct Options {
 Options optionsFrom(const std::vector<std::string>& words) {
   const Arguments arguments(words, {"--output", "--seed", "--samples"});
   arguments.requireNoWords();
-  Options options{arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
-                  arguments.whole("--samples", 100'000)};
-  if (options.samples < kFewestSamples) {
-    throw UsageError("--samples " + std::to_string(options.samples) + ": " +
-                     std::to_string(kFewestSamples) + " or more are wanted");
-  }
-  return options;
+  return {arguments.option("--output").value_or("."), arguments.whole("--seed", 1),
+          arguments.whole("--samples", 100'000, kFewestSamples, kMostSamples)};
 }
 
 Stability measureAll(const Library& library, const Options& options) {

@@ -16,50 +16,10 @@ using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// What is particular to the formats that assimp reads: stl, dae, gltf.
+/// What is particular to the formats that assimp reads: dae, gltf.
 class AssimpFormats : public MeshIo {};
 
-TEST_F(AssimpFormats, RefusesNumbersOfStlThatAreNoNumbers) {
-  Shape shape = awkwardShape();
-  shape.positions[2].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal("m.stl", binaryStl(shape)), HasSubstr("vertex 2 is at (nan, "));
-  shape.positions[2].y() = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(refusal("m.stl", binaryStl(shape)), HasSubstr("vertex 2 is at ("));
-}
-
 const Shape kTwoTriangles = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 3, 1}}};
-
-TEST_F(AssimpFormats, RefusesAsciiStlThatIsNotWordForWordAsTheFormatWantsIt) {
-  const std::string good = asciiStl(kTwoTriangles);
-  const auto with = [&](const std::string& from, const std::string& to) {
-    return refusal("m.stl", replaced(good, from, to));
-  };
-  EXPECT_EQ(with("solid organ", "solid"), "");
-  EXPECT_EQ(with("solid organ", "\tsolid facet of an organ"), "");
-  EXPECT_EQ(with("normal 0 0 0\nouter", "normal nan 1 0 outer"), "");
-  EXPECT_EQ(refusal("m.stl", good + "\n" + good), "");
-  EXPECT_THAT(with("vertex 0 1 0\n", "vertex 0 1 0\nvertex 7 7 0\n"),
-              AllOf(HasSubstr("m.stl'"), HasSubstr("line 7: the word endloop is wanted")));
-  EXPECT_THAT(with("vertex 0 1 0\n", ""), HasSubstr("line 6: the word vertex is wanted"));
-  EXPECT_THAT(with("vertex 0 1 0", "vertx 0 1 0"), HasSubstr("line 6: the word vertex is wanted"));
-  EXPECT_THAT(with("vertex 0 1 0", "vertex 0 1"), HasSubstr("line 7: 'endloop' is not a number"));
-  EXPECT_THAT(with("vertex 0 1 0", "vertex 0 1,5 0"), HasSubstr("line 6: '1,5' is not a number"));
-  EXPECT_THAT(with("endfacet\n", "endfacet\nhello world\n"),
-              HasSubstr("line 9: the word endsolid is wanted"));
-  EXPECT_THAT(with("outer loop\n", ""), HasSubstr("line 3: the word outer is wanted"));
-  EXPECT_THAT(with("endsolid organ\n", ""), HasSubstr("ends here, but endsolid is wanted"));
-  EXPECT_THAT(with("endfacet\n", "endfacet\nendsolid\n"),
-              HasSubstr("line 10: the word solid is wanted"));
-}
-
-TEST_F(AssimpFormats, ReadsBinaryStlThatBeginsAsAsciiDoes) {
-  EXPECT_EQ(load("m.stl", binaryStl(kTwoTriangles).replace(0, 5, "solid")).triangleCount(), 2U);
-}
-
-TEST_F(AssimpFormats, MergesZeroAndMinusZero) {
-  Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}}, {{0, 1, 2}, {3, 2, 1}}};
-  EXPECT_EQ(load("m.stl", binaryStl(shape)).positions().size(), 3u);
-}
 
 TEST_F(AssimpFormats, AppliesTheNodesOfDaeAndItsUnitButNotItsUpAxis) {
   const Shape shape = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, {{0, 1, 2}}};
@@ -72,13 +32,15 @@ TEST_F(AssimpFormats, RefusesNegativeNumbersOfDaeThatCountSomething) {
   const std::string good = plainDae(kTwoTriangles);
   EXPECT_EQ(refusal("m.dae", good), "");
   EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0 1 2 ", "<p>0 1 -1 ")),
-              HasSubstr("m.dae': line 1: a number after <p> is below 0"));
+              HasSubstr("m.dae': line 1: a number after <p is below 0"));
+  EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0 1 2 ", "<p >0 1 -1 ")),
+              HasSubstr("m.dae': line 1: a number after <p is below 0"));
   const std::string polygons =
       replaced(replaced(replaced(good, "<triangles", "<polylist"), "</triangles", "</polylist"),
                "<p>", "<vcount>3 3</vcount><p>");
   EXPECT_EQ(refusal("m.dae", polygons), "");
   EXPECT_THAT(refusal("m.dae", replaced(polygons, "3 3<", "3 -3<")),
-              HasSubstr("line 1: a number after <vcount> is below 0"));
+              HasSubstr("line 1: a number after <vcount is below 0"));
 }
 
 TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
@@ -89,6 +51,9 @@ TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
   EXPECT_THAT(with_unit("abc"), HasSubstr("assimp says: Collada: Failed to parse meter"));
   EXPECT_THAT(with_unit("0"), HasSubstr("its scale, or the file's unit, is 0"));
   EXPECT_THAT(with_unit("-1"), HasSubstr("is below 0"));
+  const std::string mirrored = dae(kTwoTriangles, "-1", "");
+  EXPECT_THAT(refusal("m.dae", replaced(mirrored, R"(meter="-1")", "meter\n=\t' -1'")),
+              HasSubstr("line 2: a number after meter is below 0"));
   EXPECT_NE(with_unit("nan"), "");
 }
 
@@ -179,6 +144,41 @@ TEST_F(AssimpFormats, RefusesANodeThatIsNotAffine) {
   EXPECT_EQ(with_matrix("5, 6, 7, 1"), "");
   EXPECT_THAT(with_matrix("5, 6, 7, 2"),
               HasSubstr("the last row of its matrix is 0 0 0 2, but 0 0 0 1 is wanted"));
+}
+
+TEST_F(AssimpFormats, RefusesGltfThatAsksForExtensions) {
+  const std::string good = gltf(kEmbedded);
+  EXPECT_EQ(refusal("m.gltf", good), "");
+  EXPECT_THAT(refusal("m.gltf",
+                      replaced(good, R"("scene": 0,)",
+                               R"("scene": 0, "extensionsRequired": ["KHR_mesh_quantization"],)")),
+              HasSubstr("m.gltf': it asks for extensions of glTF"));
+}
+
+TEST_F(AssimpFormats, RefusesWhatIsOfAnotherFormatThanTheExtensionSays) {
+  EXPECT_THAT(refusal("m.glb", obj(kTwoTriangles)), HasSubstr("m.glb': is no .glb, but what the "));
+  EXPECT_NE(refusal("m.ase", obj(kTwoTriangles)), "");  // no mesh that was made up
+  EXPECT_NE(refusal("m.csm", obj(kTwoTriangles)), "");
+}
+
+TEST_F(AssimpFormats, RefusesAMeshThatBonesMove) {
+  std::string skinned = dae(kTwoTriangles, "1", R"(<instance_controller url="#c"/>)");
+  skinned = replaced(skinned, "<library_visual_scenes>",
+                     R"(<library_controllers><controller id="c"><skin source="#g">
+      <bind_shape_matrix>2 0 0 5 0 2 0 5 0 0 2 5 0 0 0 1</bind_shape_matrix>
+      <source id="j"><Name_array id="ja" count="1">n</Name_array><technique_common>
+        <accessor source="#ja" count="1"><param type="name"/></accessor></technique_common></source>
+      <source id="b"><float_array id="ba" count="16">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</float_array>
+        <technique_common><accessor source="#ba" count="1" stride="16"><param type="float4x4"/>
+        </accessor></technique_common></source>
+      <source id="w"><float_array id="wa" count="1">1</float_array><technique_common>
+        <accessor source="#wa" count="1"><param type="float"/></accessor></technique_common></source>
+      <joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/>
+      </joints><vertex_weights count="4"><input semantic="JOINT" source="#j" offset="0"/>
+      <input semantic="WEIGHT" source="#w" offset="1"/><vcount>1 1 1 1</vcount>
+      <v>0 0 0 0 0 0 0 0</v></vertex_weights></skin></controller></library_controllers>
+      <library_visual_scenes>)");
+  EXPECT_THAT(refusal("m.dae", skinned), HasSubstr("bones move its mesh"));
 }
 
 /// They may lie where no mesh may be read.

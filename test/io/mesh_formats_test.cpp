@@ -50,6 +50,7 @@ TEST_F(MeshFormats, RefusesABadVertexWithItsNumber) {
     EXPECT_THAT(with(word), HasSubstr("line 3: '" + std::string(word) + "' is not a number"));
   }
   EXPECT_THAT(refusal("m.obj", "v 0 0\n"), HasSubstr("line 1: it has 3 words, but 4 or more"));
+  EXPECT_THAT(refusal("m.obj", "v 0 0 0 v 1 0 0\n"), HasSubstr("line 1: 'v' is not a number"));
 }
 
 TEST_F(MeshFormats, RefusesABadFaceOfObj) {

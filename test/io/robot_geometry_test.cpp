@@ -109,6 +109,17 @@ TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
   EXPECT_THAT(refusal(two), HasSubstr("'cone'"));
 }
 
+TEST(RobotGeometry, RefusesSeveralShapesInOneCollision) {
+  const std::string two = R"(<sphere radius="1"/><box size="1 1 1"/>)";
+  for (const std::string& shapes : {two, R"(<sphere radius="1"/></geometry><geometry>)" + kMesh})
+    EXPECT_THAT(refusal(robot(collision(shapes))),
+                HasSubstr("a <collision> has 2 shapes, but one is wanted"));
+}
+
+TEST(RobotGeometry, ReadsTheRobotBehindAnotherElement) {
+  EXPECT_EQ(linkMesh("<note/>" + robot(collision(kMesh)), "abdomen").url, "package://p/liver.obj");
+}
+
 TEST(RobotGeometry, RefusesShapesThatAreNoMesh) {
   EXPECT_THAT(refusal(robot(collision(R"(<box size="1 1 1"/>)"))),
               HasSubstr("is a box, but an organ is a mesh"));
@@ -271,6 +282,8 @@ TEST(LinkPieces, RefusesSizesThatAreNone) {
     EXPECT_THAT(refused(large), AllOf(StartsWith(kLinkOfRobot + "its "),
                                       HasSubstr(" is 1e+200, but it must be above 0 and below")));
   }
+  EXPECT_THAT(refused(R"(<cylinder radius="9.99e149" length="1"/>)"),
+              HasSubstr("cylinder's radius, with a prism about it, is 1.00"));
   EXPECT_THAT(messageOf([] { linkPieces(robot(""), "arm"); }),
               HasSubstr("there are: abdomen, bed"));
 }

@@ -18,6 +18,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -185,6 +186,20 @@ TEST(Sandbox, LeavesNoProcessAndNoFileBehind) {
   messageOf([] { run([]() -> std::string { sleepForever(); }, {0.05, 1'000'000}); });
   EXPECT_EQ(openFiles(), before);
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+}
+
+TEST(Sandbox, AnswersWhereNobodyCaresForChildren) {
+  const auto former = std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(run([] { return std::string("result"); }), "result");
+  EXPECT_THAT(messageOf([] { run([]() -> std::string { std::abort(); }); }),
+              HasSubstr("ended, and nobody can say how"));
+  std::signal(SIGCHLD, former);
+}
+
+TEST(Sandbox, WaitsForeverIfItIsToldTo) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  const ChildLimits limits = limitsFor(1, {kForever, kForever});
+  EXPECT_EQ(run([] { return std::string("result"); }, limits), "result");
 }
 
 TEST(Sandbox, IsLeftAloneByTheSignalsThatEndAProgram) {

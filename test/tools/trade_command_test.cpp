@@ -124,6 +124,7 @@ TEST_F(MeasureTrade, EndsWithTwoForWrongArguments) {
                                                        {"a.obj", "--output"},
                                                        {"a.obj", "--scale", "-1"},
                                                        {"a.obj", "--queries", "0"},
+                                                       {"a.obj", "--queries", "10000001"},
                                                        {"a.obj", "--seed", "x"}};
   for (const auto& words : wrong) {
     const Outcome done = run(words);

@@ -16,6 +16,8 @@ namespace organ_collision::core {
 
 /// The only owner of a mesh with its hierarchy and its topology: they move together. Any threads
 /// may ask it at the same time, while none changes it: to go on asking meanwhile, change a copy.
+/// One to which another could not be assigned, for want of memory, is fit for nothing but to be
+/// assigned to again.
 class CollisionMesh {
  public:
   /// Builds the hierarchy. O(n log n) for organs; at worst, where nearly all centroids lie on one

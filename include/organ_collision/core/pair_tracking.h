@@ -18,8 +18,9 @@ class PairTracker {
   PairTracker(PairTracker&&) noexcept;
   PairTracker& operator=(PairTracker&&) noexcept;
 
-  /// The same as the function of that name gives, bit for bit but for `work`. Throws as that does.
-  /// Allocates the first time, and where that does. For `travel` see Tracker::nearestTriangle().
+  /// The same as the function of that name gives, bit for bit but for `work`; of lengths below
+  /// 1e-150 m another of the nearest pairs may be named. Throws as that does. Allocates the first
+  /// time, and where that does. For `travel` see Tracker::nearestTriangle().
   NearestPair nearestPair(const CollisionMesh& first, double travel_of_first,
                           const Eigen::Isometry3d& second_from_first, const CollisionMesh& second,
                           double travel_of_second);

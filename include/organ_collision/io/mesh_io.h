@@ -13,7 +13,7 @@
 
 namespace organ_collision::io {
 
-/// What reading one file may cost. Time and memory grow with the file.
+/// What reading one file may cost. Time and memory grow with the file. Infinite seconds: no limit.
 struct LoadLimits {
   double seconds = 4.0;                 ///< [s] wall clock for any file
   double seconds_per_megabyte = 1.0;    ///< [s/MB] on top of it
@@ -25,16 +25,16 @@ struct LoadLimits {
 /// The mesh in `file`, its positions multiplied by `scale` to give metres.
 /// obj, ply and off keep their numbers: vertex i and triangle j are the file's, duplicate and
 /// unreferenced vertices included; a polygon becomes a fan from its first corner, in its place.
-/// Every other format (stl, dae, ...) goes through assimp, with its node transforms applied, and
-/// its vertices are merged by exact position and numbered in the order of first appearance. dae:
-/// `<unit>` is applied, `<up_axis>` is not, as in rviz. The file is read in a child process, so
-/// that a parser that crashes, hangs or eats memory ends as an error here. Throws
+/// Vertices of every other format are merged by exact position and numbered in the order of first
+/// appearance. All but stl goes through assimp, in single precision, with node transforms applied;
+/// dae: `<unit>` is applied, `<up_axis>` is not, as in rviz. The file is read in a child process,
+/// so that a parser that crashes, hangs or eats memory ends as an error here. Throws
 /// std::invalid_argument unless `scale` is finite and above 0, std::runtime_error naming file and
 /// element if it cannot be read: anything but a regular file, bad syntax, an index out of range, a
-/// coordinate that is not finite or exceeds a 32-bit float. Of what goes through assimp, that is
-/// promised for stl; dae, gltf and others are refused where assimp fails or logs an error or a
-/// loss of triangles, where a dae plainly says a unit or index below 0, or a unit that is no
-/// number, where a unit or scale is 0, and where a node's matrix is not affine. What else is wrong
+/// coordinate that is not finite or exceeds a 32-bit float. What goes through assimp is refused
+/// where assimp fails, logs an error or a loss of triangles, or finds another format than the
+/// extension names; where a dae says a unit or index below 0, or a gltf asks for extensions; where
+/// a unit or scale is 0, bones move a mesh, or a node's matrix is not affine. What else is wrong
 /// in them may pass, as assimp reads it. Cost: that of parsing, one fork and one copy through a
 /// pipe. Other threads' locks stay locked in a forked child, so a call while other threads run may,
 /// rarely, end at its time limit: load before starting them, or try again.
