@@ -9,7 +9,8 @@ namespace organ_collision::convex {
 /// Of the convex hulls of two shapes in one frame, by hullDistance(): so unlike that of two
 /// surfaces the distance tells how deep they overlap. But for 1e-12 of the shapes' size the
 /// bounds do not rest on the precision of GJK and EPA: the extents of both hulls along the normal
-/// prove lower_bound, which is mostly within 1e-8 of their size of upper_bound, the distance.
+/// prove lower_bound, which is mostly within 1e-8 of their size of upper_bound, the distance. Where
+/// it is not, the points are as far apart as lower_bound tells, not as the distance.
 /// REQUIRES: requireUsable() of both.
 /// Cost: grows with the meshes' vertices, microseconds for dozens, milliseconds for thousands.
 core::Proximity hullProximity(const core::Shape& first, const core::Shape& second);
