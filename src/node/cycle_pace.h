@@ -24,6 +24,9 @@ class CyclePace {
   /// answer took less than half a millisecond, and is over for as long as it took.
   bool isPrompt(ros::SteadyTime now) const;
 
+  /// When the last answer was over.
+  ros::SteadyTime answered() const { return ended_; }
+
   void noteCycle(ros::SteadyTime now);
   /// A look whether a cycle is due, and the cycle, if it was.
   void noteAnswer(ros::SteadyTime began, ros::SteadyTime ended);
