@@ -14,7 +14,7 @@ constexpr std::string_view kDigitsAndBlanks = "0123456789 \t\r\n";
 
 /// Where numbers begin: behind a name and, with or without blanks between them, what follows it.
 struct Opening {
-  std::string_view name;
+  std::string_view name, shown;
   std::array<std::string_view, 2> then;  // of each, one of these characters; none: nothing
 };
 
@@ -37,8 +37,8 @@ std::size_t behindOpening(const Opening& opening, std::string_view text, std::si
 }  // namespace
 
 void checkDae(std::string_view text) {
-  for (const Opening& opening :
-       {Opening{"<p", {">"}}, Opening{"<vcount", {">"}}, Opening{"meter", {"=", "\"'"}}}) {
+  for (const Opening& opening : {Opening{"<p", "<p>", {">"}}, Opening{"<vcount", "<vcount>", {">"}},
+                                 Opening{"meter", "meter=", {"=", "\"'"}}}) {
     std::size_t next = 0;
     while ((next = text.find(opening.name, next)) != text.npos) {
       next += opening.name.size();
@@ -48,7 +48,7 @@ void checkDae(std::string_view text) {
       if (text.substr(at, 1) != "-") continue;
       const auto line = 1 + std::count(text.begin(), text.begin() + at, '\n');
       throw std::invalid_argument("line " + std::to_string(line) + ": a number after " +
-                                  std::string(opening.name) + " is below 0");
+                                  std::string(opening.shown) + " is below 0");
     }
   }
 }

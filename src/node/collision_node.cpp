@@ -15,12 +15,11 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr double kSilence = 0.01;           // [s] between two looks whether organs moved, at most
-constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
-constexpr double kDiagnosticPeriod = 1.0;   // [s]
-constexpr double kMeshInfoPeriod = 0.1;     // [s] at which refused updates are told
-constexpr double kComplaintPeriod = 0.1;    // [s]
-constexpr double kPatience = 1.0;           // [s] before the first warning about a pair
+constexpr double kMarkerPeriod = 1.0 / 30;            // [s]
+constexpr double kDiagnosticPeriod = 1.0;             // [s]
+constexpr double kMeshInfoPeriod = 0.1;               // [s] at which refused updates are told
+constexpr double kComplaintPeriod = 0.1;              // [s]
+constexpr double kPatience = 1.0;                     // [s] before the first warning about a pair
 constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
 constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether it knows this node
 constexpr unsigned kSpinnerThreads = 4;   // for questions, and as many for ~update_mesh
@@ -140,27 +139,29 @@ void CollisionNode::complainOfTf(std::string complaint) {
 }
 
 void CollisionNode::run() {
-  const ros::WallDuration silence(kSilence);
-  ros::CallbackQueue& waiting = tf_queue_.waiting();
   pace_.noteCaughtUp(ros::SteadyTime::now());  // what came while the node was made is not late
   while (ros::ok()) {
-    const ros::WallDuration to_heartbeat = pace_.heartbeat() - ros::SteadyTime::now();
-    tf_queue_.wait(std::clamp(to_heartbeat, ros::WallDuration(0), silence));
+    tf_queue_.wait(std::max(pace_.look() - ros::SteadyTime::now(), ros::WallDuration(0)));
     // One at a time: every pose gets its contact, as long as the rate allows.
-    const bool is_called = waiting.callOne() == ros::CallbackQueue::Called;
-    ros::SteadyTime now = ros::SteadyTime::now();
-    for (; ros::ok() && now < pace_.allowed(); now = ros::SteadyTime::now())
-      waiting.callAvailable(pace_.allowed() - now);  // in time: the queue is bounded
-    // Who cannot keep up answers the newest poses, not all of them ever later.
-    if (pace_.isBehind(now) && !waiting.isEmpty()) {
-      waiting.callAvailable();
-      ++troubles_.times_behind;
-    }
-    if (waiting.isEmpty()) pace_.noteCaughtUp(ros::SteadyTime::now());
-    // What was answered at once meanwhile saw organs that moved: another cycle is one too many.
-    if (is_called || now - pace_.answered() >= silence) answer(now);
-    if (now >= complaints_due_) collectComplaints();
+    const bool is_called = tf_queue_.waiting().callOne() == ros::CallbackQueue::Called;
+    if (is_called || ros::SteadyTime::now() >= pace_.look()) answerInTurn();
+    if (ros::SteadyTime::now() >= complaints_due_) collectComplaints();
   }
+}
+
+/// As soon as the rate allows.
+void CollisionNode::answerInTurn() {
+  ros::CallbackQueue& waiting = tf_queue_.waiting();
+  ros::SteadyTime now = ros::SteadyTime::now();
+  for (; ros::ok() && now < pace_.allowed(); now = ros::SteadyTime::now())
+    waiting.callAvailable(pace_.allowed() - now);  // in time: the queue is bounded
+  // Who cannot keep up answers the newest poses, not all of them ever later.
+  if (pace_.isBehind(now) && !waiting.isEmpty()) {
+    waiting.callAvailable();
+    ++troubles_.times_behind;
+  }
+  if (waiting.isEmpty()) pace_.noteCaughtUp(ros::SteadyTime::now());
+  answer(now);
 }
 
 bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {

@@ -52,6 +52,7 @@ class CollisionNode {
   void hearTf(const std::string& topic, bool is_static);
   void complainOfTf(std::string complaint);
   bool answerAtOnce(ros::CallbackInterface& tf);
+  void answerInTurn();
   void answer(ros::SteadyTime now);
   void publishCycle();
   void collectComplaints();

@@ -6,6 +6,7 @@ namespace organ_collision::node {
 namespace {
 
 constexpr double kHeartbeat = 0.099;       // [s] without news: 10 times a second, and time to wake
+constexpr double kSilence = 0.01;          // [s]
 constexpr double kCatchUp = 0.1;           // [s] of poses that came together are answered at once
 constexpr double kFarthestBehind = 0.2;    // [s] then poses are left out
 constexpr double kLongestPrompt = 0.0005;  // [s]
@@ -21,6 +22,10 @@ CyclePace::CyclePace(double rate, ros::SteadyTime now)
       ended_(now) {}
 
 ros::SteadyTime CyclePace::heartbeat() const { return last_ + ros::WallDuration(kHeartbeat); }
+
+ros::SteadyTime CyclePace::look() const {
+  return std::min(heartbeat(), ended_ + ros::WallDuration(kSilence));
+}
 
 bool CyclePace::isBehind(ros::SteadyTime now) const {
   return now - caught_up_ > ros::WallDuration(kFarthestBehind);

@@ -17,15 +17,16 @@ class CyclePace {
   ros::SteadyTime allowed() const { return allowed_; }
   /// It is due from then on, be there news or not.
   ros::SteadyTime heartbeat() const;
+  /// From then on a look is due though no pose has come: the heart beats, or no answer has looked
+  /// for a hundredth of a second whether organs moved. A look besides those of poses, sooner, would
+  /// give cycles that the rate has no room for.
+  ros::SteadyTime look() const;
   /// So much has waited for so long that only the newest can be answered in time.
   bool isBehind(ros::SteadyTime now) const;
 
   /// The thread that brings a pose may answer it, which keeps that thread from all else: the last
   /// answer took less than half a millisecond, and is over for as long as it took.
   bool isPrompt(ros::SteadyTime now) const;
-
-  /// When the last answer was over.
-  ros::SteadyTime answered() const { return ended_; }
 
   void noteCycle(ros::SteadyTime now);
   /// A look whether a cycle is due, and the cycle, if it was.

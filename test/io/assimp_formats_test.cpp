@@ -32,15 +32,15 @@ TEST_F(AssimpFormats, RefusesNegativeNumbersOfDaeThatCountSomething) {
   const std::string good = plainDae(kTwoTriangles);
   EXPECT_EQ(refusal("m.dae", good), "");
   EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0 1 2 ", "<p>0 1 -1 ")),
-              HasSubstr("m.dae': line 1: a number after <p is below 0"));
+              HasSubstr("m.dae': line 1: a number after <p> is below 0"));
   EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0 1 2 ", "<p >0 1 -1 ")),
-              HasSubstr("m.dae': line 1: a number after <p is below 0"));
+              HasSubstr("m.dae': line 1: a number after <p> is below 0"));
   const std::string polygons =
       replaced(replaced(replaced(good, "<triangles", "<polylist"), "</triangles", "</polylist"),
                "<p>", "<vcount>3 3</vcount><p>");
   EXPECT_EQ(refusal("m.dae", polygons), "");
   EXPECT_THAT(refusal("m.dae", replaced(polygons, "3 3<", "3 -3<")),
-              HasSubstr("line 1: a number after <vcount is below 0"));
+              HasSubstr("line 1: a number after <vcount> is below 0"));
 }
 
 TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
@@ -53,7 +53,7 @@ TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
   EXPECT_THAT(with_unit("-1"), HasSubstr("is below 0"));
   const std::string mirrored = dae(kTwoTriangles, "-1", "");
   EXPECT_THAT(refusal("m.dae", replaced(mirrored, R"(meter="-1")", "meter\n=\t' -1'")),
-              HasSubstr("line 2: a number after meter is below 0"));
+              HasSubstr("line 2: a number after meter= is below 0"));
   EXPECT_NE(with_unit("nan"), "");
 }
 

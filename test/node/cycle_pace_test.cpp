@@ -59,6 +59,16 @@ TEST(CyclePace, IsBehindWhenSomethingHasWaitedForAFifthOfASecond) {
   EXPECT_FALSE(pace.isBehind(after(0.4)));
 }
 
+TEST(CyclePace, LooksByItselfAHundredthOfASecondAfterTheLastAnswerOrAtTheHeartbeat) {
+  CyclePace pace(1000.0, kStart);
+  for (int i = 0; i < 9; ++i) {  // who answers poses all the time needs no other look
+    EXPECT_NEAR((pace.look() - after(0.008 * i)).toSec(), 0.01, 1e-9);
+    pace.noteAnswer(after(0.008 * (i + 1)), after(0.008 * (i + 1)));
+  }
+  pace.noteAnswer(after(0.095), after(0.095));
+  EXPECT_EQ(pace.look(), pace.heartbeat());
+}
+
 TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
   CyclePace pace(100.0, kStart);
   EXPECT_TRUE(pace.isPrompt(kStart));
