@@ -101,8 +101,10 @@ std::vector<MeshUpdate> shapesOf(const core::TriangleMesh& mesh) {
 /// Sends tips and shapes of the organ in a thread each, at steady rates.
 class Simulator {
  public:
-  Simulator(ros::NodeHandle& node, const core::TriangleMesh& mesh)
-      : paths_(pathsAround(mesh)),
+  /// A step's transforms are sent in so many messages, one right after another.
+  Simulator(ros::NodeHandle& node, const core::TriangleMesh& mesh, std::size_t messages)
+      : messages_(messages),
+        paths_(pathsAround(mesh)),
         shapes_(shapesOf(mesh)),
         tf_(node.advertise<tf2_msgs::TFMessage>("/tf", 100)),
         updates_(node.advertise<MeshUpdate>("/organ_collision/mesh_update", 10)) {}
@@ -128,10 +130,11 @@ class Simulator {
   ros::Time sendTips(std::size_t step) {
     const std::size_t turn = step % (2 * kPathLength);
     const std::size_t place = turn < kPathLength ? turn : 2 * kPathLength - 1 - turn;
-    tf2_msgs::TFMessage message;
-    message.transforms.resize(kInstruments);
+    std::vector<tf2_msgs::TFMessage> messages(messages_);
+    const ros::Time stamp = ros::Time::now();
     for (std::size_t i = 0; i < kInstruments; ++i) {
-      geometry_msgs::TransformStamped& transform = message.transforms[i];
+      geometry_msgs::TransformStamped transform;
+      transform.header.stamp = stamp;
       transform.header.frame_id = kFrame;
       transform.child_frame_id = instrumentName(i);
       const Eigen::Vector3d& tip = paths_[i][place];
@@ -139,10 +142,9 @@ class Simulator {
       transform.transform.translation.y = tip.y();
       transform.transform.translation.z = tip.z();
       transform.transform.rotation.w = 1.0;
+      messages[i % messages_].transforms.push_back(transform);
     }
-    const ros::Time stamp = ros::Time::now();
-    for (auto& transform : message.transforms) transform.header.stamp = stamp;
-    tf_.publish(message);
+    for (const tf2_msgs::TFMessage& message : messages) tf_.publish(message);
     return stamp;
   }
 
@@ -153,6 +155,7 @@ class Simulator {
     }
   }
 
+  const std::size_t messages_;
   const std::vector<core::Points> paths_;
   const std::vector<MeshUpdate> shapes_;
   ros::Publisher tf_, updates_;
@@ -230,11 +233,11 @@ Result resultOf(const std::vector<ros::Time>& sent, const Listener& listener) {
   return result;
 }
 
-Result measure(double duration, double update_rate, std::size_t& triangles) {
+Result measure(double duration, double update_rate, std::size_t messages, std::size_t& triangles) {
   ros::NodeHandle node;
   const core::TriangleMesh mesh = askForMesh();
   triangles = mesh.triangleCount();
-  Simulator simulator(node, mesh);
+  Simulator simulator(node, mesh, messages);
   Listener listener(node);
   const Clock::time_point deadline = Clock::now() + seconds(kPatience);
   while (!simulator.isHeard() || !listener.isConnected()) {
@@ -262,7 +265,8 @@ std::string histogram(const std::vector<double>& latencies) {
   return text;
 }
 
-std::string json(const Result& result, std::size_t triangles, double update_rate) {
+std::string json(const Result& result, std::size_t triangles, std::size_t messages,
+                 double update_rate) {
   const auto us = [](const std::vector<double>& times, double share) {
     return tools::significant(1e6 * tools::percentile(times, share), 4);
   };
@@ -271,6 +275,7 @@ std::string json(const Result& result, std::size_t triangles, double update_rate
   getloadavg(&load, 1);
   return "{\n  \"triangles\": " + std::to_string(triangles) +
          ",\n  \"instruments\": " + std::to_string(kInstruments) +
+         ",\n  \"messages\": " + std::to_string(messages) +
          ",\n  \"rate_hz\": " + tools::significant(kRate) +
          ",\n  \"updates_hz\": " + tools::significant(update_rate) +
          ",\n  \"load\": " + tools::significant(load) +
@@ -284,13 +289,15 @@ std::string json(const Result& result, std::size_t triangles, double update_rate
 }
 
 void run(const std::vector<std::string>& words) {
-  const tools::Arguments arguments(words, {"--output", "--seconds", "--updates"});
+  const tools::Arguments arguments(words, {"--output", "--seconds", "--updates", "--messages"});
   const std::filesystem::path folder = arguments.option("--output").value_or(".");
   tools::requireWritableFolder(folder);
   const auto updates = static_cast<double>(arguments.whole("--updates", 60));
   std::size_t triangles = 0;
-  const Result result = measure(arguments.aboveZero("--seconds", 20.0), updates, triangles);
-  const std::string text = json(result, triangles, updates);
+  const std::size_t messages = arguments.whole("--messages", 1, 1, kInstruments);
+  const Result result =
+      measure(arguments.aboveZero("--seconds", 20.0), updates, messages, triangles);
+  const std::string text = json(result, triangles, messages, updates);
   tools::writeFile(folder / "node_latency.json", text);
   std::cout << text << std::flush;
 }
@@ -301,7 +308,8 @@ void run(const std::vector<std::string>& words) {
 int main(int count, char** words) {
   using namespace organ_collision;
   ros::init(count, words, "node_latency");
-  return tools::runProgram(
-      {"node_latency", "usage: node_latency [--output DIR] [--seconds S] [--updates HZ]\n"},
-      {words + 1, words + count}, std::cout, std::cerr, bench::run);
+  return tools::runProgram({"node_latency",
+                            "usage: node_latency [--output DIR] [--seconds S] [--updates HZ] "
+                            "[--messages N]\n"},
+                           {words + 1, words + count}, std::cout, std::cerr, bench::run);
 }

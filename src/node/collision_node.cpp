@@ -21,10 +21,10 @@ constexpr double kMeshInfoPeriod = 0.1;               // [s] at which refused up
 constexpr double kComplaintPeriod = 0.1;              // [s]
 constexpr double kPatience = 1.0;                     // [s] before the first warning about a pair
 constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
-constexpr double kMasterPeriod = 1.0;     // [s] between two questions whether it knows this node
-constexpr unsigned kSpinnerThreads = 4;   // for questions, and as many for ~update_mesh
-constexpr unsigned kTfQueue = 100;        // as tf2_ros has it
-constexpr unsigned kContactsQueue = 100;  // cycles that may come before the socket takes them
+constexpr double kMasterPeriod = 1.0;      // [s] between two questions whether it knows this node
+constexpr unsigned kSpinnerThreads = 4;    // for questions, and as many for ~update_mesh
+constexpr unsigned kTfQueue = 10'000;      // messages that wait, each for its cycle
+constexpr unsigned kContactsQueue = 1000;  // cycles that may come before the socket takes them
 constexpr unsigned kProximitiesQueue = 10;
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
@@ -125,8 +125,13 @@ void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
 void CollisionNode::hearTf(const std::string& topic, bool is_static) {
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
   const boost::function<void(const Event&)> take = [this, is_static](const Event& event) {
-    for (std::string& complaint : intake_.take(*event.getConstMessage(), event.getPublisherName(),
-                                               is_static, ros::Time::now()))
+    const tf2_msgs::TFMessage& message = *event.getConstMessage();
+    // Poses that wait for those that come with them are not overtaken by the next ones.
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (pace_.hasRoomBetween(now) && intake_.overtakes(message)) answer(now);
+    pace_.noteMessage(ros::SteadyTime::now());
+    for (std::string& complaint :
+         intake_.take(message, event.getPublisherName(), is_static, ros::Time::now()))
       complainOfTf(std::move(complaint));
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
@@ -134,40 +139,39 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
 }
 
 void CollisionNode::complainOfTf(std::string complaint) {
-  if (tf_log_.allows(complaint)) ROS_WARN("%s", complaint.c_str());
+  if (tf_log_.allows(complaint)) tf_warnings_.push_back(complaint);
   troubles_.tf_complaints.note(std::move(complaint));
 }
 
 void CollisionNode::run() {
   pace_.noteCaughtUp(ros::SteadyTime::now());  // what came while the node was made is not late
   while (ros::ok()) {
-    tf_queue_.wait(std::max(pace_.look() - ros::SteadyTime::now(), ros::WallDuration(0)));
+    tf_queue_.wait(std::max(pace_.due() - ros::SteadyTime::now(), ros::WallDuration(0)));
     // One at a time: every pose gets its contact, as long as the rate allows.
-    const bool is_called = tf_queue_.waiting().callOne() == ros::CallbackQueue::Called;
-    if (is_called || ros::SteadyTime::now() >= pace_.look()) answerInTurn();
+    tf_queue_.waiting().callOne();
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (now >= pace_.due()) answerInTurn(now);
     if (ros::SteadyTime::now() >= complaints_due_) collectComplaints();
   }
 }
 
-/// As soon as the rate allows.
-void CollisionNode::answerInTurn() {
+void CollisionNode::answerInTurn(ros::SteadyTime now) {
   ros::CallbackQueue& waiting = tf_queue_.waiting();
-  ros::SteadyTime now = ros::SteadyTime::now();
-  for (; ros::ok() && now < pace_.allowed(); now = ros::SteadyTime::now())
-    waiting.callAvailable(pace_.allowed() - now);  // in time: the queue is bounded
   // Who cannot keep up answers the newest poses, not all of them ever later.
   if (pace_.isBehind(now) && !waiting.isEmpty()) {
     waiting.callAvailable();
     ++troubles_.times_behind;
   }
-  if (waiting.isEmpty()) pace_.noteCaughtUp(ros::SteadyTime::now());
+  if (waiting.isEmpty()) pace_.noteCaughtUp(now);
   answer(now);
 }
 
 bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {
   const ros::SteadyTime now = ros::SteadyTime::now();
-  if (!pace_.isPrompt(now)) return false;
+  const bool is_gathering = pace_.isGathering();  // run() waits for what comes with it
+  if (!is_gathering && !pace_.isPrompt(now)) return false;
   tf.call();
+  if (is_gathering) return true;
   pace_.noteCaughtUp(now);
   answer(now);
   return true;
@@ -177,6 +181,7 @@ bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {
 void CollisionNode::answer(ros::SteadyTime now) {
   if (std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
     complainOfTf(std::move(jump));  // what tf said before is no pose of now, though tf be silent
+  intake_.noteAnswer();
   const bool tips_moved = cycle_.lookUpTips();
   const bool others_moved = proximity_cycle_.lookUp();
   if (tips_moved || others_moved || now >= pace_.heartbeat()) {
@@ -210,6 +215,9 @@ void CollisionNode::collectComplaints() {
   for (Complaint& complaint : proximity_cycle_.complaints(now))
     complaints_.push_back(std::move(complaint));
   warn(complaints_);
+  // Here alone: who blocks the console blocks run(), not the thread at the sockets.
+  for (const std::string& warning : std::exchange(tf_warnings_, {}))
+    ROS_WARN("%s", warning.c_str());
 }
 
 void CollisionNode::warn(const std::vector<Complaint>& complaints) {

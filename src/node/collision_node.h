@@ -52,7 +52,7 @@ class CollisionNode {
   void hearTf(const std::string& topic, bool is_static);
   void complainOfTf(std::string complaint);
   bool answerAtOnce(ros::CallbackInterface& tf);
-  void answerInTurn();
+  void answerInTurn(ros::SteadyTime now);
   void answer(ros::SteadyTime now);
   void publishCycle();
   void collectComplaints();
@@ -74,6 +74,7 @@ class CollisionNode {
   tf2::BufferCore buffer_;
   TransformIntake intake_;
   LogLimit tf_log_;
+  std::vector<std::string> tf_warnings_;  // to be logged
   CyclePace pace_;
   ContactCycle cycle_;
   ProximityCycle proximity_cycle_;

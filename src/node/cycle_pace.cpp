@@ -9,7 +9,8 @@ constexpr double kHeartbeat = 0.099;       // [s] without news: 10 times a secon
 constexpr double kSilence = 0.01;          // [s]
 constexpr double kCatchUp = 0.1;           // [s] of poses that came together are answered at once
 constexpr double kFarthestBehind = 0.2;    // [s] then poses are left out
-constexpr double kLongestPrompt = 0.0005;  // [s]
+constexpr double kLongestPrompt = 0.0005;  // [s] of a cycle
+constexpr double kQuiet = 0.0001;          // [s] without a message: those that come together have
 
 }  // namespace
 
@@ -19,20 +20,41 @@ CyclePace::CyclePace(double rate, ros::SteadyTime now)
       last_(now),
       allowed_(now),
       caught_up_(now),
-      ended_(now) {}
+      ended_(now),
+      first_unanswered_(now),
+      last_message_(now),
+      allowed_for_each_(now - credit_) {}
 
 ros::SteadyTime CyclePace::heartbeat() const { return last_ + ros::WallDuration(kHeartbeat); }
 
-ros::SteadyTime CyclePace::look() const {
-  return std::min(heartbeat(), ended_ + ros::WallDuration(kSilence));
+ros::SteadyTime CyclePace::due() const {
+  if (!has_unanswered_) return std::min(heartbeat(), ended_ + ros::WallDuration(kSilence));
+  if (!is_crowded_) return allowed_;
+  const ros::SteadyTime quiet = last_message_ + ros::WallDuration(kQuiet);
+  return std::max(allowed_, std::min(first_unanswered_ + shortest_, quiet));
 }
 
 bool CyclePace::isBehind(ros::SteadyTime now) const {
   return now - caught_up_ > ros::WallDuration(kFarthestBehind);
 }
 
+bool CyclePace::hasRoomBetween(ros::SteadyTime now) const {
+  return isGathering() && allowed_ + shortest_ <= now &&
+         length_ < ros::WallDuration(kLongestPrompt);
+}
+
 bool CyclePace::isPrompt(ros::SteadyTime now) const {
-  return allowed_ <= now && length_ < ros::WallDuration(kLongestPrompt) && now - ended_ >= length_;
+  return !is_crowded_ && allowed_ <= now && length_ < ros::WallDuration(kLongestPrompt) &&
+         now - ended_ >= length_;
+}
+
+void CyclePace::noteMessage(ros::SteadyTime now) {
+  if (!has_unanswered_) first_unanswered_ = now;
+  has_unanswered_ = true;
+  last_message_ = now;
+  allowed_for_each_ = std::clamp(allowed_for_each_, now - credit_, now + credit_) + shortest_;
+  // Only those with news use the rate up, as allowed_ knows, but it forgets once they are gathered.
+  is_crowded_ = now < allowed_for_each_ && (is_crowded_ || now < allowed_);
 }
 
 void CyclePace::noteCycle(ros::SteadyTime now) {
@@ -41,8 +63,10 @@ void CyclePace::noteCycle(ros::SteadyTime now) {
 }
 
 void CyclePace::noteAnswer(ros::SteadyTime began, ros::SteadyTime ended) {
+  has_unanswered_ = false;
   ended_ = ended;
-  length_ = ended - began;
+  // A look without a cycle does not tell how long one takes.
+  if (began == last_) length_ = ended - began;
 }
 
 }  // namespace organ_collision::node

@@ -24,22 +24,25 @@ using organ_collision::node::setDuty;
 constexpr std::chrono::milliseconds kGrace(500);  // for an orderly end, before it is a quick one
 
 std::atomic<bool> told_to_end{false};
+std::atomic<int> exit_code{0};
 
-/// Ends the process with code 0 when it is told to (Ctrl-C, roslaunch), wherever main() is then:
-/// waiting for the master, loading a mesh, within an update. REQUIRES: no other thread runs yet.
-void endOnSignal() {
+/// Ends the process when it is told to (Ctrl-C, roslaunch, rosnode kill, another of its name),
+/// wherever main() is then: waiting for the master, loading a mesh, within an update. REQUIRES: no
+/// other thread runs yet.
+void endWhenTold() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // in all threads: they inherit it
   std::thread([signals] {
-    int signal = 0;
-    sigwait(&signals, &signal);
+    const timespec a_while = {0, 100'000'000};
+    while (sigtimedwait(&signals, nullptr, &a_while) < 0 && !ros::isShuttingDown()) {
+    }
     told_to_end = true;
     ros::requestShutdown();
     std::this_thread::sleep_for(kGrace);
-    std::_Exit(0);
+    std::_Exit(exit_code);
   }).detach();
 }
 
@@ -64,7 +67,7 @@ void waitForRosout() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  endOnSignal();
+  endWhenTold();
   std::optional<ros::NodeHandle> keeps_the_log_open;  // it closes with the last handle
   try {
     ros::init(argc, argv, "organ_collision", ros::init_options::NoSigintHandler);
@@ -75,9 +78,9 @@ int main(int argc, char** argv) {
     std::async(std::launch::async, makeNode).get()->run();
   } catch (const std::exception& error) {
     if (told_to_end) return 0;  // what loads while the node ends finds no master
+    exit_code = 1;
     ROS_FATAL("%s", error.what());
     ros::WallDuration(0.2).sleep();  // until rosout has it
-    return 1;
   }
-  return 0;
+  return exit_code;
 }

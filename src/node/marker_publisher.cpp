@@ -1,5 +1,6 @@
 #include "node/marker_publisher.h"
 
+#include <ros/topic_manager.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -41,7 +42,11 @@ void MarkerPublisher::publish(const Cycle& cycle) {
   }
   for (std::size_t i = 0; draws_all && i < instruments_.size(); ++i)
     add(instrumentMarkers(instruments_, i));
-  publisher_.publish(markers);
+  // Written down here: Publisher would do so while it holds the lock that contacts want.
+  ros::SerializedMessage written = ros::serialization::serializeMessage(markers);
+  ros::SerializedMessage message;
+  ros::TopicManager::instance()->publish(
+      publisher_.getTopic(), [&written] { return written; }, message);
 }
 
 }  // namespace organ_collision::node

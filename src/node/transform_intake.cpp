@@ -53,6 +53,11 @@ std::string refusalOf(const TransformStamped& transform, const std::string& publ
          transform.header.frame_id + "': " + fault;
 }
 
+/// As tf2 has it.
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 constexpr const char* kRepeated =
     "tf has one of that time already: does a clock stand still, is a recording played again, or do "
     "two tell of it?";
@@ -78,8 +83,17 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
 
 void TransformIntake::note(const TransformStamped& transform, bool is_static) {
   Known& known =
-      known_.try_emplace(transform.child_frame_id, Known{is_static, ros::Time()}).first->second;
+      known_.try_emplace(transform.child_frame_id, Known{is_static, ros::Time(), 0}).first->second;
+  known.answers_until = answers_;
   known.newest = std::max(known.newest, transform.header.stamp);
+}
+
+bool TransformIntake::overtakes(const tf2_msgs::TFMessage& message) const {
+  return std::any_of(message.transforms.begin(), message.transforms.end(),
+                     [this](const TransformStamped& transform) {
+                       const auto found = known_.find(withoutSlash(transform.child_frame_id));
+                       return found != known_.end() && found->second.answers_until == answers_;
+                     });
 }
 
 std::string TransformIntake::noteTime(const ros::Time& now) {
@@ -98,7 +112,7 @@ std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& messag
   if (std::string jump = noteTime(now); !jump.empty()) complaints.push_back(std::move(jump));
   for (TransformStamped transform : message.transforms) {
     for (std::string* name : {&transform.header.frame_id, &transform.child_frame_id})
-      if (!name->empty() && name->front() == '/') name->erase(0, 1);  // as tf2 has it
+      *name = withoutSlash(*name);
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
     if (fault.empty()) fault = conflictOf(transform, is_static);

@@ -4,6 +4,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -38,11 +39,17 @@ class TransformIntake {
   std::vector<std::string> take(const tf2_msgs::TFMessage& message, const std::string& publisher,
                                 bool is_static, const ros::Time& now);
 
+  /// All that has been taken is looked at.
+  void noteAnswer() { ++answers_; }
+  /// The message has a frame that was taken since then: what was taken would be looked at no more.
+  bool overtakes(const tf2_msgs::TFMessage& message) const;
+
  private:
   /// What tf has of a frame.
   struct Known {
     bool is_static;
-    ros::Time newest;  // since time last jumped back
+    ros::Time newest;             // since time last jumped back
+    std::uint64_t answers_until;  // its last one
   };
 
   std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static) const;
@@ -51,6 +58,7 @@ class TransformIntake {
   tf2::BufferCore& buffer_;
   ros::Time last_;                      // that noteTime() was told
   std::map<std::string, Known> known_;  // by frame
+  std::uint64_t answers_ = 0;
 };
 
 }  // namespace organ_collision::node

@@ -62,22 +62,107 @@ TEST(CyclePace, IsBehindWhenSomethingHasWaitedForAFifthOfASecond) {
 TEST(CyclePace, LooksByItselfAHundredthOfASecondAfterTheLastAnswerOrAtTheHeartbeat) {
   CyclePace pace(1000.0, kStart);
   for (int i = 0; i < 9; ++i) {  // who answers poses all the time needs no other look
-    EXPECT_NEAR((pace.look() - after(0.008 * i)).toSec(), 0.01, 1e-9);
+    EXPECT_NEAR((pace.due() - after(0.008 * i)).toSec(), 0.01, 1e-9);
     pace.noteAnswer(after(0.008 * (i + 1)), after(0.008 * (i + 1)));
   }
   pace.noteAnswer(after(0.095), after(0.095));
-  EXPECT_EQ(pace.look(), pace.heartbeat());
+  EXPECT_EQ(pace.due(), pace.heartbeat());
+}
+
+TEST(CyclePace, OwesAMessageAnAnswerAsSoonAsTheRateAllows) {
+  CyclePace pace(100.0, kStart);
+  pace.noteMessage(after(0.001));
+  EXPECT_EQ(pace.due(), pace.allowed());
+  EXPECT_LE(pace.due(), after(0.001));
+  cyclesAt(pace, after(0.001));
+  pace.noteMessage(after(0.002));
+  EXPECT_EQ(pace.due(), pace.allowed());
+  EXPECT_GT(pace.due(), after(0.002));
+  EXPECT_FALSE(pace.isGathering());  // too many cycles, but not too many messages
+}
+
+class CrowdedPace : public testing::Test {
+ protected:
+  /// Eight messages each millisecond, 20 us after one another, for a second; answered when it is
+  /// due, at most 10 us late. Returns how many of the last hundred bursts were answered whole, by
+  /// one answer before the next burst.
+  int burstsAnsweredWhole() {
+    int whole = 0;
+    for (int burst = 0; burst < 1000; ++burst) {
+      int heard = 0, answers = 0, answered_last = 0;
+      for (int tick = 0; tick < 100; ++tick) {  // of 10 us
+        const ros::SteadyTime now = after(0.001 * burst + 0.00001 * tick);
+        if (tick % 2 == 0 && tick < 16) {
+          pace_.noteMessage(now);
+          ++heard;
+        }
+        if (now < pace_.due()) continue;
+        if (pace_.isPrompt(now)) ++prompt_;
+        pace_.noteCycle(now);
+        pace_.noteAnswer(now, now);
+        ++answers;
+        answered_last = heard;
+      }
+      whole += burst >= 900 && answers == 1 && answered_last == 8 ? 1 : 0;
+    }
+    return whole;
+  }
+
+  CyclePace pace_{1000.0, kStart};
+  int prompt_ = 0;
+};
+
+TEST_F(CrowdedPace, AnswersWhatComesTogetherTogether) {
+  EXPECT_EQ(burstsAnsweredWhole(), 100);
+  EXPECT_LT(prompt_, 200);  // while the rate had room for an answer to each
+}
+
+TEST_F(CrowdedPace, EndsWithTheCrowd) {
+  burstsAnsweredWhole();
+  pace_.noteMessage(after(1.0));
+  EXPECT_TRUE(pace_.isGathering());
+  EXPECT_FALSE(pace_.isPrompt(after(1.0005)));
+  pace_.noteAnswer(after(1.0005), after(1.0005));
+  for (int i = 0; i < 50; ++i) {
+    pace_.noteMessage(after(1.1 + 0.005 * i));
+    pace_.noteAnswer(after(1.1 + 0.005 * i), after(1.1 + 0.005 * i));
+  }
+  EXPECT_TRUE(pace_.isPrompt(after(1.4)));
+}
+
+TEST_F(CrowdedPace, WaitsNoLongerThanACycle) {
+  burstsAnsweredWhole();
+  for (int i = 0; i <= 10; ++i) pace_.noteMessage(after(1.0 + 0.00009 * i));  // never quiet
+  EXPECT_TRUE(pace_.isGathering());
+  EXPECT_NEAR((pace_.due() - after(1.0)).toSec(), 0.00099, 0.00002);
+}
+
+TEST_F(CrowdedPace, HasRoomBetweenWhereTheRateAllowsTwoAndAnswersAreShort) {
+  burstsAnsweredWhole();
+  pace_.noteMessage(after(1.0));
+  EXPECT_FALSE(pace_.hasRoomBetween(after(1.0005)));
+  EXPECT_TRUE(pace_.hasRoomBetween(after(1.0045)));
+  pace_.noteCycle(after(1.0045));
+  pace_.noteAnswer(after(1.0045), after(1.0051));
+  pace_.noteMessage(after(1.006));
+  EXPECT_FALSE(pace_.hasRoomBetween(after(1.02)));
 }
 
 TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
   CyclePace pace(100.0, kStart);
+  const auto answer = [&pace](double began, double length) {
+    pace.noteCycle(after(began));
+    pace.noteAnswer(after(began), after(began + length));
+  };
   EXPECT_TRUE(pace.isPrompt(kStart));
-  pace.noteAnswer(after(1.0), after(1.0004));
+  answer(1.0, 0.0004);
   EXPECT_FALSE(pace.isPrompt(after(1.0007)));
   EXPECT_TRUE(pace.isPrompt(after(1.0009)));
-  pace.noteAnswer(after(2.0), after(2.0006));
+  answer(2.0, 0.0006);
   EXPECT_FALSE(pace.isPrompt(after(3.0)));
-  pace.noteAnswer(after(3.0), after(3.0001));
+  pace.noteAnswer(after(3.0), after(3.00001));  // a look without a cycle
+  EXPECT_FALSE(pace.isPrompt(after(3.1)));
+  answer(3.2, 0.0001);
   EXPECT_TRUE(pace.isPrompt(after(4.0)));
   cyclesAt(pace, after(4.0));
   EXPECT_FALSE(pace.isPrompt(after(4.0)));

@@ -78,6 +78,20 @@ TEST_F(TransformIntakeTest, ForgetsWhatMovesWhenTimeJumpsBackThoughTfIsSilent) {
   EXPECT_EQ(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0)), "");
 }
 
+TEST_F(TransformIntakeTest, KnowsWhichMessageWouldOvertakeOneWithoutAnAnswer) {
+  tf2_msgs::TFMessage next;
+  next.transforms.resize(2);
+  next.transforms[0].child_frame_id = "other";
+  next.transforms[1].child_frame_id = "/tip";
+  EXPECT_FALSE(intake_.overtakes(next));
+  hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0));
+  EXPECT_TRUE(intake_.overtakes(next));
+  intake_.noteAnswer();
+  EXPECT_FALSE(intake_.overtakes(next));
+  hear("third", 1.0, ros::Time(100.0), ros::Time(100.0));
+  EXPECT_FALSE(intake_.overtakes(next));
+}
+
 TEST_F(TransformIntakeTest, WhatIsRefusedDoesNotStandInTheWayOfWhatIsTrue) {
   EXPECT_THAT(hear("/tip", 1.0, ros::Time(0), ros::Time(100.0), true, "tip"), HasSubstr("itself"));
   EXPECT_EQ(hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0)), "");
