@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostLevels = 10;  // 4^10 is a million
 
-/// The K of "NAME@K".
+/// The K of "NAME@K", where `at` is.
 std::size_t levelsOf(const std::string& name, std::size_t at) {
   if (at == std::string::npos) return 0;
   const std::string number = name.substr(at + 1);
@@ -36,7 +36,8 @@ core::TriangleMesh liver(std::size_t levels) {
 }
 
 core::TriangleMesh organNamed(const std::string& name) {
-  const std::size_t at = name.rfind('@');
+  std::size_t at = name.find_last_of("@/");
+  if (at != std::string::npos && name[at] == '/') at = std::string::npos;  // an @ is a folder's
   const std::size_t levels = levelsOf(name, at);
   const std::string what = name.substr(0, at);
   if (what == "blob") return test::blob(levels);

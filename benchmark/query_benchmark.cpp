@@ -30,7 +30,7 @@ struct Race {
 /// Compares the entrant's answers with the exact ones.
 /// REQUIRES: `truth` has the distances of the race's tips, and perhaps more.
 void judge(Race& race, const std::vector<double>& truth) {
-  const double tolerance = race.entrant.tolerance.value_or(kDoubleTolerance);
+  const double tolerance = race.entrant.tolerance.value_or(race.entrant.rounding);
   std::vector<double> distances;
   race.entrant.contender->answer(race.tips, distances);
   race.entrant.contender->measure(race.tips, distances);

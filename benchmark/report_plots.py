@@ -90,14 +90,14 @@ def draw_updates(organs, file):
 
 def draw_latency(nodes, file):
     figure, all_axes = plt.subplots(len(nodes), 1, figsize=(8, 3 * len(nodes)), sharex=True, squeeze=False)
-    for axis, (priority, node) in zip(all_axes.flat, nodes.items()):
+    for axis, (how, node) in zip(all_axes.flat, nodes.items()):
         ends, counts = np.array(node["histogram_us"]).T
         axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
         for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
             axis.axvline(node[key], color=COLOURS[5], linewidth=1)
             axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
         axis.set(xscale="log", ylabel="share of tips")
-        axis.set_title(f"{priority} priority", loc="left", fontsize="medium", pad=16)
+        axis.set_title(how, loc="left", fontsize="medium", pad=16)
         axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
         axis.xaxis.set_minor_formatter(NullFormatter())

@@ -21,6 +21,7 @@
 #include "tools/output.h"
 #include "tools/program.h"
 #include "tools/svg_plot.h"
+#include "workloads.h"
 
 namespace organ_collision {
 namespace {
@@ -39,21 +40,6 @@ double median(Work work) {
   }
   std::nth_element(durations.begin(), durations.begin() + kRepeats / 2, durations.end());
   return durations[kRepeats / 2];
-}
-
-/// The `count` vertices nearest to the first.
-std::vector<core::VertexId> neighbours(const core::Points& points, std::size_t count) {
-  std::vector<core::VertexId> vertices;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    vertices.push_back(static_cast<core::VertexId>(i));
-  const auto distance = [&points](core::VertexId vertex) {
-    return (points[core::index(vertex)] - points[0]).squaredNorm();
-  };
-  std::sort(vertices.begin(), vertices.end(), [&](core::VertexId first, core::VertexId second) {
-    return distance(first) < distance(second);
-  });
-  vertices.resize(std::min(count, vertices.size()));
-  return vertices;
 }
 
 struct Update {
@@ -75,7 +61,7 @@ std::vector<Update> updatesOf(const core::TriangleMesh& mesh) {
   });
   std::vector<Update> updates;
   for (std::size_t count = 2; count <= points.size(); count *= 10) {
-    node::VertexMoves moves = {neighbours(points, count), {}};
+    node::VertexMoves moves = {bench::neighbours(points, count), {}};
     core::Points part;
     for (const core::VertexId vertex : moves.vertices) part.push_back(points[core::index(vertex)]);
     Update update = {count, 0.0, 0};

@@ -24,6 +24,7 @@
 #include "test_meshes.h"
 #include "tools/arguments.h"
 #include "tools/program.h"
+#include "tools/statistics.h"
 
 namespace organ_collision {
 namespace {
@@ -102,17 +103,14 @@ Latencies latencies(node::Organ& organ, const core::Points& tips, double duratio
   return {std::move(result), preemptions() - preempted};
 }
 
-double percentile(const std::vector<double>& sorted, double part) {
-  return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
-}
-
 void print(const char* name, const Latencies& measured) {
   const std::vector<double>& sorted = measured.sorted;
   std::printf(
       "%-24s %9zu queries  p50 %6.2f  p99 %6.2f  p99.9 %7.2f  max %8.1f us, preempted %ld times\n",
-      name, sorted.size(), kMicroseconds * percentile(sorted, 0.5),
-      kMicroseconds * percentile(sorted, 0.99), kMicroseconds * percentile(sorted, 0.999),
-      kMicroseconds * sorted.back(), measured.preempted);
+      name, sorted.size(), kMicroseconds * tools::percentile(sorted, 0.5),
+      kMicroseconds * tools::percentile(sorted, 0.99),
+      kMicroseconds * tools::percentile(sorted, 0.999), kMicroseconds * sorted.back(),
+      measured.preempted);
 }
 
 /// Threads that repeat something until they are stopped.
@@ -182,7 +180,8 @@ void run(const std::vector<std::string>& words) {
     const Latencies after =
         measure([&, wanted = rebuilds + kRebuilds] { return rebuilds >= wanted; });
     rebuilt.add(after);
-    ratios.push_back(percentile(after.sorted, 0.999) / percentile(before.sorted, 0.999));
+    ratios.push_back(tools::percentile(after.sorted, 0.999) /
+                     tools::percentile(before.sorted, 0.999));
     std::printf("round %d: p99.9 is %.2f times the idle one\n", round + 1, ratios.back());
   }
   print("idle", idle);

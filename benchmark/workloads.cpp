@@ -114,6 +114,20 @@ core::Points trajectory(const core::CollisionMesh& organ, std::size_t count, std
   return tips;
 }
 
+std::vector<core::VertexId> neighbours(const core::Points& positions, std::size_t count) {
+  std::vector<core::VertexId> vertices;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    vertices.push_back(static_cast<core::VertexId>(i));
+  const auto distance = [&](core::VertexId vertex) {
+    return (positions[index(vertex)] - positions.front()).squaredNorm();
+  };
+  const auto end = vertices.begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(vertices.begin(), end - 1, vertices.end(),
+                   [&](auto a, auto b) { return distance(a) < distance(b); });
+  vertices.erase(end, vertices.end());
+  return vertices;
+}
+
 std::vector<Workload> workloads(const core::CollisionMesh& organ, std::size_t count,
                                 std::uint64_t seed) {
   const core::Points near_tips = near(organ, count, Dice(seed));

@@ -20,6 +20,10 @@ struct Workload {
 /// surface.
 core::Points trajectory(const core::CollisionMesh& organ, std::size_t count, std::uint64_t seed);
 
+/// The `count` vertices nearest to the first one: where a grasper holds the organ. REQUIRES: there
+/// are so many.
+std::vector<core::VertexId> neighbours(const core::Points& positions, std::size_t count);
+
 /// Of an organ whose box has a diagonal of 1, `count` tips each:
 /// near: points of the surface, equally dense, moved along the normal by -5 % to +5 %;
 /// far: anywhere in a box of twice the organ's size;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What a simulator does whose organ deforms: sends all vertices, in the order of the mesh, 60 times a second. This one lets
-the organ breathe.
+the organ breathe around the shape that it finds; a simulator has one of its own.
 
 rosrun organ_collision stream.py [_organ:=liver] [_node:=organ_collision]
 """

@@ -84,6 +84,7 @@ struct Entrant {
   std::optional<double> tolerance;
   std::size_t most_tips;  ///< that it is asked: who is slow is not asked all
   std::shared_ptr<Contender> contender;
+  double rounding = kDoubleTolerance;  ///< of its answers, though they be none of the nearest
 };
 
 /// What a follower can follow.
@@ -130,7 +131,7 @@ std::vector<Method> cgalMethods();
 std::vector<Method> fclMethods();
 std::vector<Method> bulletMethods();
 
-/// [bytes] that Embree has taken from the system past malloc.
+/// [bytes] that Embree has taken, small blocks from malloc, large ones from the system.
 std::size_t embreeMemory();
 
 }  // namespace organ_collision::bench

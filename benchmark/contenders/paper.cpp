@@ -118,7 +118,7 @@ std::vector<Entrant> paperEntrants(const core::TriangleMesh& mesh) {
   return {
       {"plain search, unmeasured", singly, std::nullopt, kAll, std::make_shared<PlainSearch>(mesh)},
       {"plain search, float", singly, std::nullopt, kAll,
-       std::make_shared<MeasuringPlainSearch>(mesh)}};
+       std::make_shared<MeasuringPlainSearch>(mesh), kFloatTolerance}};
 }
 
 }  // namespace organ_collision::bench

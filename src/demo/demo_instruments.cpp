@@ -51,6 +51,8 @@ std::vector<Eigen::Vector3d> toPoints(const std::vector<double>& flat,
   std::vector<Eigen::Vector3d> points;
   for (std::size_t i = 0; i < flat.size(); i += 3) {
     points.push_back(trocar_from_path * Eigen::Vector3d(flat[i], flat[i + 1], flat[i + 2]));
+    if (!points.back().allFinite())
+      throw std::invalid_argument("a path's waypoint " + std::to_string(i / 3) + " is not finite");
   }
   return points;
 }
@@ -95,8 +97,8 @@ void moveInstruments(ros::NodeHandle& node, const ros::NodeHandle& parameters) {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "demo_instruments");
+  ros::NodeHandle node;  // the log closes with the last one
   try {
-    ros::NodeHandle node;
     organ_collision::demo::moveInstruments(node, ros::NodeHandle("~"));
     return 0;
   } catch (const std::exception& error) {

@@ -92,8 +92,8 @@ void simulate(ros::NodeHandle& node, const ros::NodeHandle& parameters) {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "demo_organ");
+  ros::NodeHandle node;  // the log closes with the last one
   try {
-    ros::NodeHandle node;
     organ_collision::demo::simulate(node, ros::NodeHandle("~"));
     return 0;
   } catch (const std::exception& error) {

@@ -11,6 +11,7 @@ namespace organ_collision::tools {
 namespace {
 
 using core::CollisionMesh;
+using core::kUnit;
 using core::NearestTriangle;
 using core::Points;
 using core::Triangle;
@@ -18,7 +19,6 @@ using core::TriangleMesh;
 using Eigen::Vector3d;
 using Random = Extreme::Random;
 
-constexpr double kUnit = 0x1p-53;
 // Other powers of two, far enough to change every digit in decimals, near enough for no class to
 // reach denormals.
 constexpr std::array<double, 2> kFactors = {0x1p-64, 0x1p+64};

@@ -12,7 +12,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace organ_collision;
-  constexpr std::array kReaders = {io::readObj, io::readOff, io::readPly};
+  constexpr std::array kReaders = {io::readObj, io::readOff, io::readPly, io::readStl};
   if (size == 0) return -1;
   const std::string_view file(reinterpret_cast<const char*>(bytes + 1), size - 1);
   try {

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The demo, without a display."""
+import subprocess
 import unittest
 
 import numpy as np
+import roslib.packages
 from rostest_support import ContactsInbox, Services, Surface, contact_of, coordinates, run, wait_until
 
 from organ_collision.msg import Contact
@@ -51,6 +53,13 @@ class Demo(unittest.TestCase):
             # config/instruments.urdf puts the liver 0.15 m over the table.
             tip = coordinates(contact.instrument_point) - [0, 0, 0.15]
             self.assertAlmostEqual(contact.nearest.distance, surface.signed_distance(tip), delta=1e-12)
+
+    def test_its_programs_say_what_they_miss(self):
+        for name, missed in (("demo_organ", "/nobody/organ"), ("demo_instruments", "/nobody/rate")):
+            program = roslib.packages.find_node("organ_collision", name)[0]
+            ended = subprocess.run([program, "__name:=nobody"], capture_output=True, text=True, timeout=10.0, check=False)
+            self.assertEqual(ended.returncode, 1, name)
+            self.assertIn(f"parameter {missed} is missing", ended.stderr)
 
     def test_the_organ_deforms_as_often_as_it_is_simulated(self):
         arrays = self.contacts.collect(1500)
