@@ -25,6 +25,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double kHighest = 0.005;  // [m] of instruments above the surface
+constexpr int kPoses = 20'000;      // fewer would be learned by heart
 
 std::shared_ptr<const CollisionMesh> shipped(const std::string& name) {
   return std::make_shared<const CollisionMesh>(
@@ -59,7 +60,7 @@ void instrument(benchmark::State& state, const Shape& shape) {
   const Shapes shapes = {shape};
   std::mt19937 generator(1);
   std::vector<Isometry3d> poses;
-  for (int i = 0; i < 500; ++i) poses.push_back(randomPose(generator, organ));
+  for (int i = 0; i < kPoses; ++i) poses.push_back(randomPose(generator, organ));
   core::SearchWork work;
   std::size_t i = 0;
   for (auto _ : state) {
@@ -83,7 +84,7 @@ const core::Capsule kShaft{{0, 0, 0}, {0, 0, -0.2}, 0.0025};
 void two_instruments(benchmark::State& state, const Shape& first, const Shape& second) {
   std::mt19937 generator(2);
   std::vector<Isometry3d> poses;
-  for (int i = 0; i < 500; ++i) poses.push_back(test::randomPose(generator, 0.1));
+  for (int i = 0; i < kPoses; ++i) poses.push_back(test::randomPose(generator, 0.1));
   core::SearchWork work;
   std::size_t i = 0;
   for (auto _ : state) {

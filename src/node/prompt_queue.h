@@ -15,7 +15,7 @@ namespace organ_collision::node {
 /// than most answers. Never do two of these threads answer at the same time, nor out of order.
 class PromptQueue : public ros::CallbackQueueInterface {
  public:
-  /// `answer_at_once` answers a callback that has come, or returns false without having called it:
+  /// `answer_at_once` calls a callback that has come, or returns false without having called it:
   /// then it waits for the worker. Called by the thread that brings it. What it throws, wait()
   /// throws.
   explicit PromptQueue(std::function<bool(ros::CallbackInterface&)> answer_at_once);
