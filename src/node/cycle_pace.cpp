@@ -39,14 +39,14 @@ bool CyclePace::isBehind(ros::SteadyTime now) const {
 }
 
 bool CyclePace::hasRoomBetween(ros::SteadyTime now) const {
-  return isGathering() && allowed_ + shortest_ <= now &&
-         length_ < ros::WallDuration(kLongestPrompt);
+  return isGathering() && isShort() && allowed_ + shortest_ <= now;
 }
 
 bool CyclePace::isPrompt(ros::SteadyTime now) const {
-  return !is_crowded_ && allowed_ <= now && length_ < ros::WallDuration(kLongestPrompt) &&
-         now - ended_ >= length_;
+  return !is_crowded_ && isShort() && allowed_ <= now && now - ended_ >= length_;
 }
+
+bool CyclePace::isShort() const { return length_ < ros::WallDuration(kLongestPrompt); }
 
 void CyclePace::noteMessage(ros::SteadyTime now) {
   if (!has_unanswered_) first_unanswered_ = now;

@@ -44,6 +44,9 @@ class CyclePace {
   void noteCaughtUp(ros::SteadyTime now) { caught_up_ = now; }
 
  private:
+  /// The last cycle was.
+  bool isShort() const;
+
   ros::WallDuration shortest_;  // from one cycle to the next
   ros::WallDuration credit_;    // so far back the rate is made up for
   ros::SteadyTime last_, allowed_, caught_up_, ended_;

@@ -54,8 +54,8 @@ std::string refusalOf(const TransformStamped& transform, const std::string& publ
 }
 
 /// As tf2 has it.
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+void dropSlash(std::string& frame) {
+  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
 }
 
 constexpr const char* kRepeated =
@@ -91,7 +91,9 @@ void TransformIntake::note(const TransformStamped& transform, bool is_static) {
 bool TransformIntake::overtakes(const tf2_msgs::TFMessage& message) const {
   return std::any_of(message.transforms.begin(), message.transforms.end(),
                      [this](const TransformStamped& transform) {
-                       const auto found = known_.find(withoutSlash(transform.child_frame_id));
+                       std::string frame = transform.child_frame_id;
+                       dropSlash(frame);
+                       const auto found = known_.find(frame);
                        return found != known_.end() && found->second.answers_until == answers_;
                      });
 }
@@ -111,8 +113,8 @@ std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& messag
   std::vector<std::string> complaints;
   if (std::string jump = noteTime(now); !jump.empty()) complaints.push_back(std::move(jump));
   for (TransformStamped transform : message.transforms) {
-    for (std::string* name : {&transform.header.frame_id, &transform.child_frame_id})
-      *name = withoutSlash(*name);
+    dropSlash(transform.header.frame_id);
+    dropSlash(transform.child_frame_id);
     if (is_static) transform.header.stamp = ros::Time();  // always true, whenever it was sent
     std::string fault = faultOf(transform, is_static, now);
     if (fault.empty()) fault = conflictOf(transform, is_static);
