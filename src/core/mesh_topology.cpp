@@ -117,8 +117,8 @@ void MeshTopology::listParts(const TriangleMesh& mesh) {
 struct MeshTopology::Findings {
   bool closed = true;
   bool consistently_wound = true;
-  bool one_fan_each = true;  // around every weld
   std::size_t duplicate_triangles = 0;
+  std::vector<Weld> others;  // whose triangles are no closed fan, in order
 };
 
 /// Each edge and each triangle is looked at where its lowest weld is, unless there is nothing to
@@ -130,7 +130,7 @@ class MeshTopology::Inspector {
 
   void inspect(Weld weld, Findings& findings) {
     if (isClosedFan(weld)) return;
-    findings.one_fan_each = false;
+    findings.others.push_back(weld);
     edges_.clear();
     opposite_sides_.clear();
     const TriangleId* last = nullptr;
@@ -239,41 +239,52 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
           inspector.inspect(weld, findings_so_far);
         return findings_so_far;
       },
-      [](const Findings& first, const Findings& second) {
-        return Findings{first.closed && second.closed,
-                        first.consistently_wound && second.consistently_wound,
-                        first.one_fan_each && second.one_fan_each,
-                        first.duplicate_triangles + second.duplicate_triangles};
+      [](Findings first, const Findings& second) {
+        first.closed = first.closed && second.closed;
+        first.consistently_wound = first.consistently_wound && second.consistently_wound;
+        first.duplicate_triangles += second.duplicate_triangles;
+        first.others.insert(first.others.end(), second.others.begin(), second.others.end());
+        return first;
       },
       context);
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
   if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
-  if (!findings.one_fan_each) pieces_ = piecesOf(mesh);
+  if (!findings.others.empty()) pieces_ = piecesOf(mesh, findings.others);
   one_piece_ =
       std::all_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece == 0; });
   if (one_piece_) pieces_ = {};
 }
 
-/// Of each triangle, one of those that it hangs together with across edges of two triangles.
-std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh) const {
+/// Of each triangle, one of those that it hangs together with across edges of two triangles. All
+/// around a weld do, but for `others`.
+std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh,
+                                                  const std::vector<Weld>& others) const {
   std::vector<std::uint32_t> leads_to(mesh.triangleCount());
   std::iota(leads_to.begin(), leads_to.end(), 0U);
-  std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
+  const auto join = [&](TriangleId first, TriangleId second) {
+    const std::uint32_t one = lowest(leads_to, static_cast<std::uint32_t>(index(first)));
+    const std::uint32_t other = lowest(leads_to, static_cast<std::uint32_t>(index(second)));
+    leads_to[std::max(one, other)] = std::min(one, other);
+  };
+  std::vector<std::pair<Weld, TriangleId>> edges;  // by their other end
+  auto next_other = others.begin();
   for (Weld here = 0; here < representatives_.size(); ++here) {
+    const TriangleRange around = trianglesAt(here);
+    if (next_other == others.end() || *next_other != here) {
+      for (const TriangleId triangle : around) join(*around.begin(), triangle);
+      continue;
+    }
+    ++next_other;
     edges.clear();
-    for (const TriangleId triangle : trianglesAt(here))
+    for (const TriangleId triangle : around)
       for (const VertexId corner : mesh.corners(triangle))
-        if (weld(corner) > here)
-          edges.emplace_back(weld(corner), static_cast<std::uint32_t>(index(triangle)));
+        if (weld(corner) > here) edges.emplace_back(weld(corner), triangle);
     std::sort(edges.begin(), edges.end());
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
-      if (end - begin != 2) continue;
-      const std::uint32_t one = lowest(leads_to, edges[begin].second);
-      const std::uint32_t other = lowest(leads_to, edges[begin + 1].second);
-      leads_to[std::max(one, other)] = std::min(one, other);
+      if (end - begin == 2) join(edges[begin].second, edges[begin + 1].second);
     }
   }
   for (std::uint32_t& piece : leads_to) piece = lowest(leads_to, piece);

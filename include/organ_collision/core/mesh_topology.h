@@ -72,7 +72,8 @@ class MeshTopology {
   void listTriangles(const TriangleMesh& mesh);
   void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
-  std::vector<std::uint32_t> piecesOf(const TriangleMesh& mesh) const;
+  std::vector<std::uint32_t> piecesOf(const TriangleMesh& mesh,
+                                      const std::vector<Weld>& others) const;
   bool isOf(std::uint32_t piece, Weld weld) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own
