@@ -11,8 +11,15 @@ namespace organ_collision::core {
 namespace {
 
 constexpr std::uint32_t kTask = 1024;  // leaves
-constexpr std::size_t kGrain = 64;     // nodes that are worth a task
+constexpr std::size_t kGrain = 512;    // nodes that are worth a task
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// As a packet.
+LaneFloats costsOfLeaf(float weight_of_parent) {
+  LaneFloats costs;
+  costs.fill(Collapse::kPacketCost * weight_of_parent);
+  return costs;
+}
 
 }  // namespace
 
@@ -129,12 +136,9 @@ bool Collapse::isPacket(const Set& set) const {
   return set.size() <= kLaneCount && costs.front() == kPacketCost * weight;
 }
 
-/// A leaf is a packet, whatever the lanes.
-Collapse::Costs Collapse::costsOf(const Set& set, float weight_of_parent) const {
-  if (!set.isLeaf()) return weighed_[set.node].costs;
-  Costs costs;
-  costs.fill(kPacketCost * weight_of_parent);
-  return costs;
+/// Of a set's child: a leaf is a packet, whatever the lanes.
+const Collapse::Costs& Collapse::costsOf(const Set& child, const Costs& of_leaf) const {
+  return child.isLeaf() ? of_leaf : weighed_[child.node].costs;
 }
 
 /// Of those that it may use: more only if they cost less.
@@ -148,8 +152,9 @@ std::uint32_t Collapse::lanesUsed(const Set& set, std::uint32_t lanes) const {
 /// Of those that a set's children share.
 std::uint32_t Collapse::lanesOfFirst(const Set& set, std::uint32_t lanes) const {
   const auto [one, other] = tree_.children(set);
-  const Costs of_one = costsOf(one, weighed_[set.node].weight);
-  const Costs of_other = costsOf(other, weighed_[set.node].weight);
+  const Costs of_leaf = costsOfLeaf(weighed_[set.node].weight);
+  const Costs& of_one = costsOf(one, of_leaf);
+  const Costs& of_other = costsOf(other, of_leaf);
   const auto cost = [&](std::uint32_t first) {
     return of_one[first - 1] + of_other[lanes - first - 1];
   };
@@ -166,8 +171,9 @@ void Collapse::weigh(const Set& set, const Centroids& centroids) {
   const double visited = (centroids[a] - centroids[b]).norm() + kUsualDistance;
   weight = static_cast<float>(visited * visited);
   const auto [one, other] = tree_.children(set);
+  const Costs of_leaf = costsOfLeaf(weight);
   const float as_packet = set.size() <= kLaneCount ? kPacketCost * weight : kInfinity;
-  kernels().weigh(costsOf(one, weight), costsOf(other, weight), as_packet, weight, costs);
+  kernels().weigh(costsOf(one, of_leaf), costsOf(other, of_leaf), as_packet, weight, costs);
 }
 
 }  // namespace organ_collision::core

@@ -66,7 +66,7 @@ class Collapse {
 
   Children childrenOf(const Set& whole) const;
   bool isPacket(const Set& set) const;
-  Costs costsOf(const Set& set, float weight_of_parent) const;
+  const Costs& costsOf(const Set& child, const Costs& of_leaf) const;
   std::uint32_t lanesUsed(const Set& set, std::uint32_t lanes) const;
   std::uint32_t lanesOfFirst(const Set& set, std::uint32_t lanes) const;
   std::vector<Set> nodesOf(const Set& top) const;

@@ -1,7 +1,5 @@
 #include "organ_collision/core/collision_mesh.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -43,10 +41,8 @@ std::uint64_t freshNumber() {
 /// What needs the mesh alone, made side by side.
 struct CollisionMesh::Parts {
   explicit Parts(TriangleMesh whole) : mesh(std::move(whole)), box(boxOf(mesh)) {
-    OwnContext own;
-    tbb::task_group_context& context = own;  // of this very type
-    tbb::parallel_invoke([this] { topology = std::make_shared<const MeshTopology>(mesh); },
-                         [this] { tree.emplace(mesh); }, context);
+    sideBySide([this] { topology = std::make_shared<const MeshTopology>(mesh); },
+               [this] { tree.emplace(mesh); });
   }
 
   TriangleMesh mesh;

@@ -57,6 +57,11 @@ class Members {
   }
   std::uint32_t index(std::size_t i) const { return indices_[i]; }
 
+  /// Whether one of them is at least so far from a place.
+  bool reach(const Eigen::Vector3d& place, double least) const {
+    return kernels().reach(points(), stride_, plain(place), least);
+  }
+
   /// The first of those that are farthest from a place.
   FarPoint farthestFrom(const Eigen::Vector3d& place) const {
     const FarPoint farthest = kernels().farthestFrom(points(), stride_, plain(place));
@@ -219,6 +224,7 @@ class Diameter {
   void compare(const Range& ends, const Members& others) {
     if (others.size() == 0) return;
     for (const End& end : ends) {
+      if (!others.reach(end.place, best_.squared_distance)) continue;
       const FarPoint farthest = others.farthestFrom(end.place);
       note(pairOf(end.index, farthest.index, farthest.squared_distance));
     }

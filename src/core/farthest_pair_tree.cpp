@@ -9,7 +9,6 @@
 #include <numeric>
 #include <tuple>
 
-#include "core/few_points.h"
 #include "core/for_each.h"
 #include "core/kernels/kernels.h"
 #include "organ_collision/core/farthest_pair.h"
@@ -152,7 +151,7 @@ class FarthestPairTree::Builder {
     while (!pending.empty()) {
       const auto [set, depth] = pending.back();
       pending.pop_back();
-      if (set.size() <= FewPoints::kMost) {
+      if (set.size() <= kLaneCount) {
         noteDepth(depth - 1 + splitFew(set));
         continue;
       }
@@ -174,24 +173,18 @@ class FarthestPairTree::Builder {
 
   /// Splits a set of a few all the way down; returns how many levels that takes.
   std::size_t splitFew(const Set& set) {
-    FewPoints few(pointsOf(set), set.size());
-    std::array<TriangleId, FewPoints::kMost> triangles;
+    FewSplits few;
+    kernels().splitFew(pointsOf(set), set.size(), few);
+    std::array<TriangleId, kLaneCount> triangles;
     std::copy(&triangles_[set.begin], &triangles_[set.end], triangles.begin());
-    const std::size_t levels = splitFew({0, set.size(), set.node}, few, triangles.data());
-    for (Leaf i = 0; i < set.size(); ++i) triangles_[set.begin + i] = triangles[few[i]];
-    return levels;
-  }
-
-  /// The leaves of the set are places in the order of those few. Recursion is safe, as they are.
-  std::size_t splitFew(const Set& set, FewPoints& few, const TriangleId* triangles) {
-    if (set.isLeaf()) return 0;
-    const FewPoints::Split split = few.split(set.begin, set.end);
-    nodes_[set.node] = {{static_cast<Leaf>(index(triangles[split.poles[0]])),
-                         static_cast<Leaf>(index(triangles[split.poles[1]]))},
-                        split.first_size};
-    const Leaf middle = set.begin + split.first_size;
-    return 1 + std::max(splitFew({set.begin, middle, set.node + 1}, few, triangles),
-                        splitFew({middle, set.end, set.node + split.first_size}, few, triangles));
+    const auto leaf = [&](std::uint32_t i) { return static_cast<Leaf>(index(triangles[i])); };
+    for (std::uint32_t i = 0; i + 1 < set.size(); ++i) {
+      const auto& [poles, first_size] = few.splits[i];
+      nodes_[set.node + i] = {{leaf(poles[0]), leaf(poles[1])}, first_size};
+    }
+    for (std::uint32_t i = 0; i < set.size(); ++i)
+      triangles_[set.begin + i] = triangles[few.order[i]];
+    return few.levels;
   }
 
   /// Fills the set's node, its poles as triangles; returns how many leaves go with the first.

@@ -2,6 +2,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_group.h>
 
@@ -34,6 +35,14 @@ void forEachAlone(std::size_t count, const Action& action) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count), [&](const auto& one) { action(one.begin()); },
       tbb::simple_partitioner(), context);
+}
+
+/// Does both, if there are cores for both.
+template <class First, class Second>
+void sideBySide(const First& first, const Second& second) {
+  OwnContext own;
+  tbb::task_group_context& context = own;  // of this very type
+  tbb::parallel_invoke(first, second, context);
 }
 
 }  // namespace organ_collision::core

@@ -27,21 +27,28 @@ struct SplitList {
       SplitPaths path;
     };
     std::array<Pending, kLaneCount> pending;
-    pending.front() = {whole, {0, 0}};
-    for (std::size_t count = 1; count > 0;) {
-      const auto [set, path] = pending[--count];
+    std::size_t count = 0;
+    Set set = whole;
+    SplitPaths path = {0, 0};
+    while (true) {
       if (is_end(set)) {
         paths.above |= path.above << (8 * end_count);
         paths.firsts ^= (path.firsts ^ 0xFFU) << (8 * end_count);
         ++end_count;
+        if (count == 0) return;
+        --count;
+        set = pending[count].set;
+        path = pending[count].path;
         continue;
       }
       const std::uint64_t self = std::uint64_t{1} << split_count;
       const auto [first, second] = tree.children(set);
-      pending[count++] = {second, {path.above | self, path.firsts}};
-      pending[count++] = {first, {path.above | self, path.firsts | self}};
       for (std::size_t i = 0; i < poles.size(); ++i) poles[i][split_count] = tree.poles(set)[i];
       ++split_count;
+      path.above |= self;
+      pending[count++] = {second, path};
+      set = first;
+      path.firsts |= self;
     }
   }
 };

@@ -89,40 +89,19 @@ Corners longestEdgeFirst(const Corners& corners, const Triangle& triangle) {
   const double ab = (triangle.b - triangle.a).squaredNorm();
   const double bc = (triangle.c - triangle.b).squaredNorm();
   const double ca = (triangle.a - triangle.c).squaredNorm();
+  // By arithmetic, as no branch could be foreseen.
+  const std::size_t is_bc = static_cast<std::size_t>(ab < bc) & static_cast<std::size_t>(ca <= bc);
+  const std::size_t is_ca = static_cast<std::size_t>(ab < ca) & static_cast<std::size_t>(bc < ca);
+  const std::size_t first = is_bc + 2 * is_ca;
   const auto& [a, b, c] = corners;
-  if (ab >= bc && ab >= ca) return corners;
-  return bc >= ca ? Corners{b, c, a} : Corners{c, a, b};
-}
-
-/// Packets that know their leaves and parents.
-HugePageVector<TrianglePacket> emptyPackets(const Collapse::Layout& layout) {
-  HugePageVector<TrianglePacket> packets(layout.packets.size());
-  forEach(packets.size(), kPacketGrain, [&](std::size_t self) {
-    const auto& [begin, end, parent] = layout.packets[self];
-    packets[self].first_leaf = begin;
-    packets[self].lane_count = end - begin;
-    packets[self].parent = parent;
-  });
-  return packets;
-}
-
-/// Of each triangle its packet * kLaneCount + its lane.
-HugePageVector<std::uint32_t> slotsOf(const FarthestPairTree& tree,
-                                      const HugePageVector<TrianglePacket>& packets) {
-  HugePageVector<std::uint32_t> slots(tree.root().size());
-  forEach(packets.size(), kPacketGrain, [&](std::size_t self) {
-    const TrianglePacket& packet = packets[self];
-    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
-      slots[index(tree.triangle(packet.first_leaf + lane))] =
-          static_cast<std::uint32_t>(self) * kLaneCount + lane;
-  });
-  return slots;
+  const std::array<VertexId, 5> turning = {a, b, c, a, b};
+  return {turning[first], turning[first + 1], turning[first + 2]};
 }
 
 }  // namespace
 
 WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame)
-    : frame_(frame), corners_(mesh.triangleCount()) {
+    : frame_(frame), corners_(mesh.triangleCount()), slots_(mesh.triangleCount()) {
   Collapse::Centroids centroids(mesh.triangleCount());
   HugePageVector<Corners> longest_edges_first(mesh.triangleCount());
   forEach(centroids.size(), kLeafGrain, [&](std::size_t leaf) {
@@ -133,15 +112,24 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   });
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
+  packets_.resize(layout.packets.size());
+  forEach(packets_.size(), kPacketGrain, [&](std::size_t self) {
+    const auto& [begin, end, parent] = layout.packets[self];
+    Packet& packet = packets_[self];
+    packet.first_leaf = begin;
+    packet.lane_count = end - begin;
+    packet.parent = parent;
+    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
+      slots_[index(tree.triangle(begin + lane))] =
+          static_cast<std::uint32_t>(self) * kLaneCount + lane;
+  });
   nodes_.resize(layout.nodes.size());
   parents_.resize(nodes_.size());
-  packets_ = emptyPackets(layout);
-  slots_ = slotsOf(tree, packets_);
   guide_.sets.resize(nodes_.size());
   guide_.nodes.resize(nodes_.size());
   guide_.packets.resize(packets_.size());
   poles_.resize(nodes_.size());
-  forEach(nodes_.size(), kNodeGrain, [&](std::size_t self) {
+  const auto list_node = [&](std::size_t self) {
     const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
         layout.nodes[self];
     Node& node = nodes_[self];
@@ -154,8 +142,9 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     guide_.sets[self] = set;
     poles_[self] = slotsOfPoles(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
                                                  guide_.nodes[self], guide_.packets.data()));
-  });
-  lists_ = listVertices(layout, longest_edges_first);
+  };
+  sideBySide([&] { forEach(nodes_.size(), kNodeGrain, list_node); },
+             [&] { lists_ = listVertices(layout, longest_edges_first); });
   listParts();
   tallies_.resize(nodes_.size());
   touched_.resize(2 * nodes_.size());

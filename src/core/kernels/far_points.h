@@ -59,6 +59,17 @@ inline FarPoint farthestFrom(const PointColumns& points, std::size_t count,
   return farthest.first();
 }
 
+inline bool reach(const PointColumns& points, std::size_t count, const std::array<double, 3>& point,
+                  double least) {
+  const LaneVector<double> from = everywhere(point);
+  Lanes<double> most = Lanes<double>::all(-1.0);
+  forEights(count, [&](std::size_t i) {
+    const LaneVector<double> apart = eightOf(points, i) - from;
+    most = larger(most, dot(apart, apart));
+  });
+  return (Lanes<double>::all(least) <= most).bits() != 0;
+}
+
 inline FarthestPair farthestOfAllPairs(const PointColumns& points, std::size_t count) {
   Farthest farthest;
   for (std::size_t i = 0; i < count; ++i) {

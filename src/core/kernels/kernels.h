@@ -59,6 +59,17 @@ struct PlainTriangles {
   TriangleId* ids;
 };
 
+/// How the hierarchy splits up to eight points.
+struct FewSplits {
+  struct Split {
+    std::array<std::uint32_t, 2> poles;
+    std::uint32_t first_size;  ///< points that go with the first
+  };
+  std::array<Split, kLaneCount - 1> splits;  ///< parents first, then all of the first pole's side
+  std::array<std::uint32_t, kLaneCount> order;  ///< of the leaves
+  std::uint32_t levels;                         ///< of splits
+};
+
 /// The box of points [m].
 struct PlainBox {
   std::array<double, 3> low, high;
@@ -93,6 +104,9 @@ struct Kernels {
   /// The first of those that are farthest from a point. REQUIRES: eight points or more.
   FarPoint (*farthestFrom)(const PointColumns& points, std::size_t count,
                            const std::array<double, 3>& point);
+  /// Whether some point is at least so far from one. REQUIRES: eight points or more.
+  bool (*reach)(const PointColumns& points, std::size_t count, const std::array<double, 3>& point,
+                double least);
   /// As farthestPair(). REQUIRES: eight points or more.
   FarthestPair (*farthestOfAllPairs)(const PointColumns& points, std::size_t count);
   /// Lists those whose power with respect to the ball on the diameter that is given (the squared
@@ -114,6 +128,9 @@ struct Kernels {
   /// REQUIRES: eight triangles or more; from `spare` on, room for all of them.
   std::size_t (*separate)(const PlainTriangles& triangles, std::size_t count, std::size_t spare,
                           const std::array<double, 3>& first, const std::array<double, 3>& second);
+  /// Splits points all the way down. Those that stay together keep their order; if they coincide,
+  /// they are halved. REQUIRES: two to eight points.
+  void (*splitFew)(const PointColumns& points, std::uint32_t count, FewSplits& few);
 };
 
 extern const Kernels kBaselineKernels;

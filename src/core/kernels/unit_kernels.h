@@ -9,6 +9,7 @@
 #include "core/kernels/kernels.h"
 #include "core/kernels/pair_walk.h"
 #include "core/kernels/search_walk.h"
+#include "core/kernels/split_few.h"
 #include "core/kernels/weigh.h"
 
 namespace organ_collision::core {
@@ -16,8 +17,8 @@ namespace {
 
 /// For the vector unit that includes this.
 constexpr Kernels kUnitKernels = {
-    walk,    follow, descend,      walkPairs,          followPairs, boxOf,       fill,
-    enclose, weigh,  farthestFrom, farthestOfAllPairs, listByPower, listFarFrom, separate};
+    walk,  follow,       descend, walkPairs,          followPairs, boxOf,       fill,     enclose,
+    weigh, farthestFrom, reach,   farthestOfAllPairs, listByPower, listFarFrom, separate, splitFew};
 
 }  // namespace
 }  // namespace organ_collision::core
