@@ -39,7 +39,7 @@ bool lexicographicallyLess(const std::array<Eigen::Vector3d, 3>& p,
 
 using Columns = std::array<HugePageVector<double>, 3>;
 
-constexpr std::size_t kTrianglesPerTask = 1024;
+constexpr std::size_t kTrianglesPerTask = 8192;
 
 Columns columnsOf(std::size_t size) {
   return {HugePageVector<double>(size), HugePageVector<double>(size), HugePageVector<double>(size)};

@@ -157,26 +157,16 @@ class MeshTopology::Inspector {
   }
 
  private:
-  /// As many as are around nearly all vertices of an organ; some more; many.
-  static constexpr std::uint32_t kFew = 8;
-  static constexpr std::uint32_t kSome = 16;
-  static constexpr std::uint32_t kMany = 32;
+  static constexpr std::uint32_t kMany = 32;  // triangles around a vertex
+  static constexpr std::uint32_t kPlaces = 256;
 
   /// Whether the triangles here go on one where another ends, all in one turn of three or more. It
   /// may be false of very many.
-  bool isClosedFan(Weld weld) const {
+  bool isClosedFan(Weld weld) {
     const TriangleRange triangles = topology_.trianglesAt(weld);
-    const auto count = static_cast<std::size_t>(triangles.end() - triangles.begin());
-    if (count <= kFew) return isClosedFan<kFew>(triangles, weld);
-    if (count <= kSome) return isClosedFan<kSome>(triangles, weld);
-    return count <= kMany && isClosedFan<kMany>(triangles, weld);
-  }
-
-  template <std::uint32_t kMost>
-  bool isClosedFan(const TriangleRange& triangles, Weld weld) const {
-    std::array<Weld, kMost> from;  // their other corners
-    std::array<Weld, kMost> to;
-    from.fill(kNoWeld);
+    if (triangles.end() - triangles.begin() > kMany) return false;
+    std::array<Weld, kMany> from;  // their other corners
+    std::array<Weld, kMany> to;
     std::uint32_t count = 0;
     for (const TriangleId& triangle : triangles) {
       const std::array<Weld, 3> welds = weldsOf(triangle);
@@ -184,19 +174,25 @@ class MeshTopology::Inspector {
       if (here == 3) return false;
       from[count] = welds[(here + 1) % 3];
       to[count] = welds[(here + 2) % 3];
+      places_[from[count] % kPlaces] = count;
       ++count;
     }
     if (count == 0) return true;
+    const auto starting_at = [&](Weld end) {
+      const std::uint32_t place = places_[end % kPlaces];
+      if (place < count && from[place] == end) return place;
+      const auto* const last =
+          from.begin() + count;  // another has taken its place, or there is none
+      return static_cast<std::uint32_t>(std::find(from.cbegin(), last, end) - from.begin());
+    };
     // Where one turn leads depends on where it starts alone. If it is back at the first after
     // `count` of them, not sooner, all were passed, so no two start at the same corner; and of more
     // than two none is another's back.
     std::uint32_t turns = 0;
     std::uint32_t at = 0;
     do {
-      const Weld end = to[at];
-      at = 0;
-      for (std::uint32_t i = 0; i < kMost; ++i) at += from[i] == end ? i : 0;
-      if (at >= count || from[at] != end) return false;
+      at = starting_at(to[at]);
+      if (at == count) return false;
       ++turns;
     } while (at != 0 && turns < count);
     return at == 0 && turns == count && count > 2;
@@ -224,6 +220,7 @@ class MeshTopology::Inspector {
 
   const MeshTopology& topology_;
   const TriangleMesh& mesh_;
+  std::array<std::uint32_t, kPlaces> places_{};  // where a corner may be found
   std::vector<std::uint64_t> edges_;  // twice their other end; one more if they run towards it
   std::vector<std::uint64_t> opposite_sides_;  // both ends
 };
@@ -252,43 +249,48 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   duplicate_triangles_ = findings.duplicate_triangles;
   if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
   if (!findings.others.empty()) pieces_ = piecesOf(mesh, findings.others);
-  one_piece_ =
-      std::all_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece == 0; });
+  one_piece_ = std::all_of(pieces_.begin(), pieces_.end(),
+                           [this](std::uint32_t piece) { return piece == pieces_.front(); });
   if (one_piece_) pieces_ = {};
 }
 
-/// Of each triangle, one of those that it hangs together with across edges of two triangles. All
-/// around a weld do, but for `others`.
+/// Of each triangle, a number that it shares with those that it hangs together with across edges of
+/// two triangles. All around a weld do, but for `others`.
 std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh,
                                                   const std::vector<Weld>& others) const {
-  std::vector<std::uint32_t> leads_to(mesh.triangleCount());
+  const auto weld_count = static_cast<std::uint32_t>(representatives_.size());
+  std::vector<std::uint32_t> leads_to(weld_count + mesh.triangleCount());  // triangles come last
   std::iota(leads_to.begin(), leads_to.end(), 0U);
-  const auto join = [&](TriangleId first, TriangleId second) {
-    const std::uint32_t one = lowest(leads_to, static_cast<std::uint32_t>(index(first)));
-    const std::uint32_t other = lowest(leads_to, static_cast<std::uint32_t>(index(second)));
-    leads_to[std::max(one, other)] = std::min(one, other);
-  };
-  std::vector<std::pair<Weld, TriangleId>> edges;  // by their other end
-  auto next_other = others.begin();
-  for (Weld here = 0; here < representatives_.size(); ++here) {
-    const TriangleRange around = trianglesAt(here);
-    if (next_other == others.end() || *next_other != here) {
-      for (const TriangleId triangle : around) join(*around.begin(), triangle);
-      continue;
-    }
-    ++next_other;
+  std::vector<bool> is_other(weld_count);
+  for (const Weld weld : others) is_other[weld] = true;
+  for (std::uint32_t self = weld_count; self < leads_to.size(); ++self) {
+    std::array<std::uint32_t, 3> joined = {self, self, self};
+    const Corners& corners = mesh.triangles()[self - weld_count];
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (!is_other[weld(corners[i])]) joined[i] = lowest(leads_to, weld(corners[i]));
+    leads_to[self] = std::min({joined[0], joined[1], joined[2]});
+    for (const std::uint32_t number : joined) leads_to[number] = leads_to[self];
+  }
+  std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
+  for (const Weld here : others) {
     edges.clear();
-    for (const TriangleId triangle : around)
+    for (const TriangleId triangle : trianglesAt(here))
       for (const VertexId corner : mesh.corners(triangle))
-        if (weld(corner) > here) edges.emplace_back(weld(corner), triangle);
+        if (weld(corner) > here)
+          edges.emplace_back(weld(corner),
+                             weld_count + static_cast<std::uint32_t>(index(triangle)));
     std::sort(edges.begin(), edges.end());
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
-      if (end - begin == 2) join(edges[begin].second, edges[begin + 1].second);
+      if (end - begin != 2) continue;
+      const std::uint32_t one = lowest(leads_to, edges[begin].second);
+      const std::uint32_t other = lowest(leads_to, edges[begin + 1].second);
+      leads_to[std::max(one, other)] = std::min(one, other);
     }
   }
-  for (std::uint32_t& piece : leads_to) piece = lowest(leads_to, piece);
-  return leads_to;
+  std::vector<std::uint32_t> pieces(mesh.triangleCount());
+  for (std::uint32_t i = 0; i < pieces.size(); ++i) pieces[i] = lowest(leads_to, weld_count + i);
+  return pieces;
 }
 
 bool MeshTopology::isOf(std::uint32_t piece, Weld weld) const {

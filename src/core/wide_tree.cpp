@@ -45,7 +45,8 @@ constexpr std::size_t kAxesPoints = 256;
 
 constexpr std::size_t kLeafGrain = 1024;    // so many are worth a task
 constexpr std::size_t kNodeGrain = 16;      // so many to be turned, too
-constexpr std::size_t kPacketGrain = 32;    // so many, too
+constexpr std::size_t kPacketGrain = 1024;  // so many to be numbered, too
+constexpr std::size_t kFewPackets = 512;    // are filled sooner than another core has woken up
 constexpr std::size_t kTasks = 12;          // are enough
 constexpr std::size_t kTaskPackets = 1024;  // unless so many are in each: a core's cache holds them
 constexpr std::size_t kTaskNodes = 2;       // share a task, or some tasks would be much larger
@@ -113,16 +114,6 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   Collapse::Layout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
   packets_.resize(layout.packets.size());
-  forEach(packets_.size(), kPacketGrain, [&](std::size_t self) {
-    const auto& [begin, end, parent] = layout.packets[self];
-    Packet& packet = packets_[self];
-    packet.first_leaf = begin;
-    packet.lane_count = end - begin;
-    packet.parent = parent;
-    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
-      slots_[index(tree.triangle(begin + lane))] =
-          static_cast<std::uint32_t>(self) * kLaneCount + lane;
-  });
   nodes_.resize(layout.nodes.size());
   parents_.resize(nodes_.size());
   guide_.sets.resize(nodes_.size());
@@ -140,11 +131,26 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
     parents_[self] = parent;
     guide_.sets[self] = set;
-    poles_[self] = slotsOfPoles(tree, listSplits(tree, layout, static_cast<std::uint32_t>(self),
-                                                 guide_.nodes[self], guide_.packets.data()));
+    poles_[self] = listSplits(tree, layout, static_cast<std::uint32_t>(self), guide_.nodes[self],
+                              guide_.packets.data());
+  };
+  const auto list_packet = [&](std::size_t self) {
+    const auto& [begin, end, parent] = layout.packets[self];
+    Packet& packet = packets_[self];
+    packet.first_leaf = begin;
+    packet.lane_count = end - begin;
+    packet.parent = parent;
+    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
+      slots_[index(tree.triangle(begin + lane))] =
+          static_cast<std::uint32_t>(self) * kLaneCount + lane;
   };
   sideBySide([&] { forEach(nodes_.size(), kNodeGrain, list_node); },
-             [&] { lists_ = listVertices(layout, longest_edges_first); });
+             [&] {
+               lists_ = listVertices(layout, longest_edges_first);
+               forEach(packets_.size(), kPacketGrain, list_packet);
+             });
+  forEach(nodes_.size(), kPacketGrain,
+          [&](std::size_t self) { poles_[self] = slotsOfPoles(tree, poles_[self]); });
   listParts();
   tallies_.resize(nodes_.size());
   touched_.resize(2 * nodes_.size());
@@ -220,7 +226,7 @@ void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
   const auto climb = [&](std::uint32_t node) {
     while (node != 0 && --waits_for[parents_[node]] == 0) settle(node = parents_[node]);
   };
-  forEachAlone(count + 1, [&](std::size_t part) {
+  forEachAlone(above > 0 ? count + 1 : count, [&](std::size_t part) {
     if (part < count) {
       tallies[above + part] = fitBelow(mesh, {begins[part], begins[part + 1]}, fit);
       for (std::uint32_t node = begins[part]; node < begins[part + 1]; ++node) climb(node);
@@ -239,9 +245,8 @@ void WideTree::fitAll(const TriangleMesh& mesh, Fit fit) {
 /// The nodes of one level in parts with about as many triangles below each: where these begin, then
 /// where the last one ends.
 std::vector<std::uint32_t> WideTree::partsToFit() const {
-  const std::size_t wanted =
-      std::max(std::clamp<std::size_t>(packets_.size() / kPacketGrain, 1, kTasks),
-               packets_.size() / kTaskPackets);
+  if (packets_.size() < kFewPackets) return {0, 1};
+  const std::size_t wanted = std::max(kTasks, packets_.size() / kTaskPackets);
   std::size_t level = 0;
   while (level + 1 < levels_.size() && nodesOn(level).size() < kTaskNodes * wanted) ++level;
   const Range nodes = nodesOn(level);
