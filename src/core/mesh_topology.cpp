@@ -117,20 +117,21 @@ void MeshTopology::listParts(const TriangleMesh& mesh) {
 struct MeshTopology::Findings {
   bool closed = true;
   bool consistently_wound = true;
+  bool one_fan_each = true;  // around every weld
   std::size_t duplicate_triangles = 0;
-  std::vector<Weld> others;  // whose triangles are no closed fan, in order
 };
 
 /// Each edge and each triangle is looked at where its lowest weld is, unless there is nothing to
-/// be found around that.
+/// be found around that. Tells of each weld whether its triangles are a closed fan.
 class MeshTopology::Inspector {
  public:
-  Inspector(const MeshTopology& topology, const TriangleMesh& mesh)
-      : topology_(topology), mesh_(mesh) {}
+  Inspector(const MeshTopology& topology, const TriangleMesh& mesh, ClosedFans& closed_fans)
+      : topology_(topology), mesh_(mesh), closed_fans_(closed_fans) {}
 
   void inspect(Weld weld, Findings& findings) {
-    if (isClosedFan(weld)) return;
-    findings.others.push_back(weld);
+    closed_fans_[weld] = isClosedFan(weld) ? 1 : 0;
+    if (closed_fans_[weld] != 0) return;
+    findings.one_fan_each = false;
     edges_.clear();
     opposite_sides_.clear();
     const TriangleId* last = nullptr;
@@ -157,8 +158,8 @@ class MeshTopology::Inspector {
   }
 
  private:
-  static constexpr std::uint32_t kMany = 32;  // triangles around a vertex
-  static constexpr std::uint32_t kPlaces = 256;
+  static constexpr std::uint32_t kMany = 32;     // triangles around a vertex
+  static constexpr std::uint32_t kPlaces = 256;  // in which few corners meet
 
   /// Whether the triangles here go on one where another ends, all in one turn of three or more. It
   /// may be false of very many.
@@ -181,9 +182,9 @@ class MeshTopology::Inspector {
     const auto starting_at = [&](Weld end) {
       const std::uint32_t place = places_[end % kPlaces];
       if (place < count && from[place] == end) return place;
-      const auto* const last =
-          from.begin() + count;  // another has taken its place, or there is none
-      return static_cast<std::uint32_t>(std::find(from.cbegin(), last, end) - from.begin());
+      // Another has taken its place, or there is none.
+      const auto* const found = std::find(from.cbegin(), from.cbegin() + count, end);
+      return static_cast<std::uint32_t>(found - from.cbegin());
     };
     // Where one turn leads depends on where it starts alone. If it is back at the first after
     // `count` of them, not sooner, all were passed, so no two start at the same corner; and of more
@@ -220,59 +221,59 @@ class MeshTopology::Inspector {
 
   const MeshTopology& topology_;
   const TriangleMesh& mesh_;
+  ClosedFans& closed_fans_;
   std::array<std::uint32_t, kPlaces> places_{};  // where a corner may be found
   std::vector<std::uint64_t> edges_;  // twice their other end; one more if they run towards it
   std::vector<std::uint64_t> opposite_sides_;  // both ends
 };
 
 void MeshTopology::inspect(const TriangleMesh& mesh) {
+  ClosedFans closed_fans(representatives_.size());
   OwnContext context;
   const Findings findings = tbb::parallel_reduce(
       tbb::blocked_range<Weld>(0, static_cast<Weld>(representatives_.size()), kWeldsPerTask),
       Findings(),
       [&](const auto& some, Findings findings_so_far) {
-        Inspector inspector(*this, mesh);
+        Inspector inspector(*this, mesh, closed_fans);
         for (Weld weld = some.begin(); weld < some.end(); ++weld)
           inspector.inspect(weld, findings_so_far);
         return findings_so_far;
       },
-      [](Findings first, const Findings& second) {
-        first.closed = first.closed && second.closed;
-        first.consistently_wound = first.consistently_wound && second.consistently_wound;
-        first.duplicate_triangles += second.duplicate_triangles;
-        first.others.insert(first.others.end(), second.others.begin(), second.others.end());
-        return first;
+      [](const Findings& first, const Findings& second) {
+        return Findings{first.closed && second.closed,
+                        first.consistently_wound && second.consistently_wound,
+                        first.one_fan_each && second.one_fan_each,
+                        first.duplicate_triangles + second.duplicate_triangles};
       },
       context);
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
   if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
-  if (!findings.others.empty()) pieces_ = piecesOf(mesh, findings.others);
+  if (!findings.one_fan_each) pieces_ = piecesOf(mesh, closed_fans);
   one_piece_ = std::all_of(pieces_.begin(), pieces_.end(),
                            [this](std::uint32_t piece) { return piece == pieces_.front(); });
   if (one_piece_) pieces_ = {};
 }
 
 /// Of each triangle, a number that it shares with those that it hangs together with across edges of
-/// two triangles. All around a weld do, but for `others`.
+/// two triangles. All of a closed fan do.
 std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh,
-                                                  const std::vector<Weld>& others) const {
+                                                  const ClosedFans& closed_fans) const {
   const auto weld_count = static_cast<std::uint32_t>(representatives_.size());
   std::vector<std::uint32_t> leads_to(weld_count + mesh.triangleCount());  // triangles come last
   std::iota(leads_to.begin(), leads_to.end(), 0U);
-  std::vector<bool> is_other(weld_count);
-  for (const Weld weld : others) is_other[weld] = true;
   for (std::uint32_t self = weld_count; self < leads_to.size(); ++self) {
     std::array<std::uint32_t, 3> joined = {self, self, self};
     const Corners& corners = mesh.triangles()[self - weld_count];
     for (std::size_t i = 0; i < corners.size(); ++i)
-      if (!is_other[weld(corners[i])]) joined[i] = lowest(leads_to, weld(corners[i]));
+      if (closed_fans[weld(corners[i])] != 0) joined[i] = lowest(leads_to, weld(corners[i]));
     leads_to[self] = std::min({joined[0], joined[1], joined[2]});
     for (const std::uint32_t number : joined) leads_to[number] = leads_to[self];
   }
   std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
-  for (const Weld here : others) {
+  for (Weld here = 0; here < weld_count; ++here) {
+    if (closed_fans[here] != 0) continue;
     edges.clear();
     for (const TriangleId triangle : trianglesAt(here))
       for (const VertexId corner : mesh.corners(triangle))

@@ -65,6 +65,7 @@ class MeshTopology {
   std::size_t memory() const;  ///< [bytes]
 
  private:
+  using ClosedFans = std::vector<std::uint8_t>;  // whether the triangles around each weld are one
   struct Findings;
   class Inspector;
 
@@ -73,7 +74,7 @@ class MeshTopology {
   void listParts(const TriangleMesh& mesh);
   void inspect(const TriangleMesh& mesh);
   std::vector<std::uint32_t> piecesOf(const TriangleMesh& mesh,
-                                      const std::vector<Weld>& others) const;
+                                      const ClosedFans& closed_fans) const;
   bool isOf(std::uint32_t piece, Weld weld) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own

@@ -52,7 +52,8 @@ class WideTree {
 
   WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const UnitFrame& frame);
 
-  /// Takes over the positions of `mesh`; sets and orientations stay. O(n), on all cores.
+  /// Takes over the positions of `mesh`; sets and orientations stay. O(n), of large ones on all
+  /// cores.
   /// Source: G. van den Bergen, "Efficient collision detection of complex deformable models using
   /// AABB trees" (1997).
   void refit(const TriangleMesh& mesh, const UnitFrame& frame);
