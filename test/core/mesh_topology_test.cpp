@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -46,6 +47,37 @@ TEST(MeshTopology, TellsOnePieceFromWhatOnlyTouches) {
     triangles.push_back(test::corners(41, i, i % 40 + 1));
   }
   EXPECT_TRUE(MeshTopology(TriangleMesh(points, triangles)).isOnePiece());
+}
+
+/// A tetrahedron whose bottom is one triangle, each corner of which has more triangles than are
+/// looked at as a fan: the sides are fans from there to points on the edge across.
+TriangleMesh tetrahedronOfFans() {
+  constexpr int kPoints = 40;  // on each of the edges that go up
+  const std::array<Vector3d, 3> bottom = {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)};
+  const Vector3d top(0.2, 0.2, 1);
+  Points points(bottom.begin(), bottom.end());
+  points.push_back(top);
+  for (const Vector3d& corner : bottom)
+    for (int i = 1; i <= kPoints; ++i)
+      points.emplace_back(corner + (top - corner) * i / (kPoints + 1.0));
+  const auto on_edge = [](int corner, int i) {
+    if (i > kPoints) return 3;
+    return i == 0 ? corner : 4 + corner * kPoints + i - 1;
+  };
+  std::vector<Corners> triangles = {test::corners(0, 2, 1)};
+  for (int corner = 0; corner < 3; ++corner) {
+    const int next = (corner + 1) % 3;
+    for (int i = 0; i < kPoints; ++i)
+      triangles.push_back(test::corners(corner, on_edge(next, i), on_edge(next, i + 1)));
+    for (int i = 0; i <= kPoints; ++i)
+      triangles.push_back(
+          test::corners(on_edge(corner, i), on_edge(next, kPoints), on_edge(corner, i + 1)));
+  }
+  return {points, triangles};
+}
+
+TEST(MeshTopology, HangsTogetherWhereNoCornerOfATriangleIsAFan) {
+  EXPECT_TRUE(MeshTopology(tetrahedronOfFans()).isOnePiece());
 }
 
 }  // namespace
