@@ -8,7 +8,7 @@ namespace organ_collision::core {
 namespace {
 
 std::align_val_t placed(std::size_t size, std::size_t alignment) {
-  return std::align_val_t{size < kHugePage ? alignment : kHugePage};
+  return std::align_val_t{size < kLeastInHugePages ? alignment : kHugePage};
 }
 
 }  // namespace
@@ -18,7 +18,7 @@ void* allocateArray(std::size_t size, std::size_t alignment) {
 #if defined(MADV_HUGEPAGE)
   // An advice: a system that does not take it goes on with small pages. So does the end of the
   // array, for which most of a large one might be taken in vain.
-  if (size >= kHugePage) madvise(array, size / kHugePage * kHugePage, MADV_HUGEPAGE);
+  if (size >= kLeastInHugePages) madvise(array, size / kHugePage * kHugePage, MADV_HUGEPAGE);
 #endif
   return array;
 }

@@ -36,7 +36,7 @@ std::string flagsAt(const void* place) {
 TEST(HugePages, LargeArraysAskForThem) {
   if (!std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"))
     GTEST_SKIP() << "the system has no huge pages";
-  const HugePageVector<int> large(kHugePage / sizeof(int));
+  const HugePageVector<int> large(kLeastInHugePages / sizeof(int));
   EXPECT_EQ(addressOf(large.data()) % kHugePage, 0U);
   EXPECT_THAT(flagsAt(large.data()), HasSubstr(" hg "));
 }

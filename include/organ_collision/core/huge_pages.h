@@ -7,8 +7,12 @@
 
 namespace organ_collision::core {
 
-/// [bytes] Arrays from this size on may lie in pages of this size.
+/// [bytes] The size of a huge page.
 constexpr std::size_t kHugePage = std::size_t{1} << 21U;
+/// [bytes] Arrays from this size on may lie in huge pages. Of smaller ones too much lies behind the
+/// last whole page; and as malloc maps what begins at a page anew each time, the system would have
+/// to give all the small pages of that anew, too, when organs are built again and again.
+constexpr std::size_t kLeastInHugePages = 2 * kHugePage;
 
 /// Memory for an array of `size` [bytes], in huge pages if it is that large and the system has some
 /// to give. Throws std::bad_alloc.
