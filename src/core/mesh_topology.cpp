@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <random>
 #include <utility>
 
 #include "core/for_each.h"
@@ -22,9 +23,11 @@ namespace {
 constexpr std::size_t kWeldsPerTask = 1024;
 constexpr MeshTopology::Weld kNoWeld = std::numeric_limits<MeshTopology::Weld>::max();
 
-/// Equal for equal positions: minus zero is zero.
+/// Equal for equal positions: minus zero is zero. Another one in each process, so that no mesh can
+/// be made all of whose positions have the same.
 std::uint64_t hash(const Eigen::Vector3d& position) {
-  std::uint64_t mixed = 0;
+  static const std::uint64_t seed = std::random_device()();
+  std::uint64_t mixed = seed;
   for (const double coordinate : position + Eigen::Vector3d::Zero()) {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &coordinate, sizeof(bits));

@@ -25,8 +25,9 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     const FramePose pose = {tf2::transformToEigen(transform), transform.header.stamp};
     if (!isUsable(pose.target_from_source)) {
       std::ostringstream reason;
-      reason << "tf says that " << source << " is more than " << kFarthest << " m from " << target
-             << ", or nowhere";
+      reason << "tf says that " << source << " is at "
+             << pose.target_from_source.translation().transpose() << " m in " << target
+             << ": more than " << kFarthest << " m away, or nowhere";
       return {std::nullopt, reason.str()};
     }
     return {pose, ""};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <initializer_list>
 #include <sstream>
 #include <utility>
 
@@ -23,9 +24,11 @@ void normalize(Quaternion& rotation) {
   for (double* part : {&rotation.x, &rotation.y, &rotation.z, &rotation.w}) *part /= length;
 }
 
-std::string text(const Quaternion& q) {
+std::string text(std::initializer_list<double> numbers) {
   std::ostringstream text;
-  text << "(" << q.x << ", " << q.y << ", " << q.z << ", " << q.w << ")";
+  const char* separator = "(";
+  for (const double number : numbers) text << std::exchange(separator, ", ") << number;
+  text << ")";
   return text.str();
 }
 
@@ -38,9 +41,11 @@ std::string faultOf(const TransformStamped& transform, bool is_static, const ros
     return "a frame has no name";
   if (transform.child_frame_id == transform.header.frame_id) return "that is itself";
   if (!std::isfinite(translation.x + translation.y + translation.z))
-    return "its translation is not finite";
+    return "its translation " + text({translation.x, translation.y, translation.z}) +
+           " is not finite";
   if (!(std::abs(squaredLength(rotation) - 1.0) <= kTolerance))
-    return "its rotation " + text(rotation) + " is not of length 1";
+    return "its rotation " + text({rotation.x, rotation.y, rotation.z, rotation.w}) +
+           " is not of length 1";
   if (!is_static && transform.header.stamp.isZero()) return "it does not say when";
   if (ahead > TransformIntake::kFarthestAhead)
     return "it is " + std::to_string(ahead) + " s ahead of the clock";

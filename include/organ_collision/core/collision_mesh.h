@@ -20,8 +20,9 @@ namespace organ_collision::core {
 /// assigned to again.
 class CollisionMesh {
  public:
-  /// Builds the hierarchy. O(n log n) for organs; at worst, where nearly all centroids lie on one
-  /// sphere, O(n^1.5). Triangles whose sizes span many powers of two make it as many levels deeper.
+  /// Builds the hierarchy. O(n log n) for organs; where nearly all centroids lie on one sphere,
+  /// O(n^1.5); more where farthestPair() takes more. Triangles whose sizes span many powers of two
+  /// make it as many levels deeper.
   explicit CollisionMesh(TriangleMesh mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }
@@ -53,8 +54,9 @@ class CollisionMesh {
 
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
   /// they add to the health. `positions` [m] are those of `moved`, in its order; of a vertex that
-  /// is there twice the last counts. O(k log n) for k vertices, but for what sticks out of the box
-  /// of the last whole refit or leaves its faces, and for surfaces of pieces that touch: O(n).
+  /// is there twice the last counts. O(k log n) for k vertices; O(n) where they leave the unit
+  /// frame or were all that reached a face of the mesh's box, for surfaces of pieces that touch or
+  /// that are perhaps flat, and after a refit that failed.
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
   /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing. Costs

@@ -22,7 +22,7 @@ class MeshTopology {
     const TriangleId* end() const { return last; }
   };
 
-  /// O(n), but where very many triangles meet; on all cores.
+  /// O(n), but where very many triangles meet.
   explicit MeshTopology(const TriangleMesh& mesh);
 
   Weld weld(VertexId vertex) const {

@@ -35,10 +35,9 @@ struct NearestPair {
 /// Cost: grows with the triangles that are about as near as the nearest, up to O(n*m) where all
 /// are; least where the surfaces meet. Besides, for the sign, a winding number for each part of one
 /// that may be inside the other's solid. docs/scenes.md has measured ones. Does not allocate once
-/// the thread has seen its widest search, but where surfaces are as near as rounding, or were torn
-/// at their welds.
-/// Source: both hierarchies are descended at once as in S. Gottschalk, M. Lin and D. Manocha,
-/// "OBBTree: a hierarchical structure for rapid interference detection" (1996).
+/// the thread has asked its largest organs, but where surfaces are as near as rounding, or were
+/// torn at their welds. Source: both hierarchies are descended at once as in S. Gottschalk, M. Lin
+/// and D. Manocha, "OBBTree: a hierarchical structure for rapid interference detection" (1996).
 NearestPair nearestPair(const CollisionMesh& first, const Eigen::Isometry3d& second_from_first,
                         const CollisionMesh& second, const Accuracy& accuracy = {});
 

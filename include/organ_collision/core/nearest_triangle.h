@@ -76,7 +76,7 @@ struct NearestTriangle {
 /// hierarchy's order is named; of lengths below 1e-150 m, squares underflow. max_leaves = 1 is the
 /// paper's search: go to the child whose pole is nearer, until one triangle is left. More leaves
 /// never give a worse answer. Throws std::invalid_argument for a point or an accuracy that is not
-/// usable. Allocates only until the calling thread has seen its widest search. Its cost
+/// usable. Allocates only until the calling thread has asked its largest organ. Its cost
 /// grows with the number of triangles that are almost as near as the nearest: usually far below
 /// O(n), O(n) at the centre of a sphere, unless max_leaves is set. Any threads may ask at the same
 /// time, while none changes the organ.

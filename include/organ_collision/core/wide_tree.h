@@ -80,7 +80,7 @@ class WideTree {
 
   std::size_t depth() const { return levels_.size(); }  ///< nodes on the longest path to a packet
   std::size_t memory() const;                           ///< [bytes]
-  std::size_t searchMemory() const;  ///< [bytes] of them, what searches read: refits need the rest
+  std::size_t searchMemory() const;  ///< [bytes] of them, what searches for a tip read
 
  private:
   struct Range {
