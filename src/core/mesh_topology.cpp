@@ -26,8 +26,8 @@ constexpr MeshTopology::Weld kNoWeld = std::numeric_limits<MeshTopology::Weld>::
 /// Equal for equal positions: minus zero is zero. Another one in each process, so that no mesh can
 /// be made all of whose positions have the same.
 std::uint64_t hash(const Eigen::Vector3d& position) {
-  static const std::uint64_t seed = std::random_device()();
-  std::uint64_t mixed = seed;
+  static const std::uint64_t kSeed = std::random_device()();
+  std::uint64_t mixed = kSeed;
   for (const double coordinate : position + Eigen::Vector3d::Zero()) {
     std::uint64_t bits = 0;
     std::memcpy(&bits, &coordinate, sizeof(bits));
