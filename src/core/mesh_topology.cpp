@@ -120,7 +120,6 @@ void MeshTopology::listParts(const TriangleMesh& mesh) {
 struct MeshTopology::Findings {
   bool closed = true;
   bool consistently_wound = true;
-  bool one_fan_each = true;  // around every weld
   std::size_t duplicate_triangles = 0;
 };
 
@@ -134,7 +133,6 @@ class MeshTopology::Inspector {
   void inspect(Weld weld, Findings& findings) {
     closed_fans_[weld] = isClosedFan(weld) ? 1 : 0;
     if (closed_fans_[weld] != 0) return;
-    findings.one_fan_each = false;
     edges_.clear();
     opposite_sides_.clear();
     const TriangleId* last = nullptr;
@@ -245,7 +243,6 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
       [](const Findings& first, const Findings& second) {
         return Findings{first.closed && second.closed,
                         first.consistently_wound && second.consistently_wound,
-                        first.one_fan_each && second.one_fan_each,
                         first.duplicate_triangles + second.duplicate_triangles};
       },
       context);
@@ -253,7 +250,8 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
   if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
-  if (!findings.one_fan_each) pieces_ = piecesOf(mesh, closed_fans);
+  if (std::find(closed_fans.begin(), closed_fans.end(), 0) != closed_fans.end())
+    pieces_ = piecesOf(mesh, closed_fans);
   one_piece_ = std::all_of(pieces_.begin(), pieces_.end(),
                            [this](std::uint32_t piece) { return piece == pieces_.front(); });
   if (one_piece_) pieces_ = {};

@@ -16,6 +16,7 @@ namespace organ_collision::core {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::uintptr_t addressOf(const void* place) { return reinterpret_cast<std::uintptr_t>(place); }
 
@@ -36,6 +37,8 @@ std::string flagsAt(const void* place) {
 TEST(HugePages, LargeArraysAskForThem) {
   if (!std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"))
     GTEST_SKIP() << "the system has no huge pages";
+  const HugePageVector<int> smaller(kLeastInHugePages / sizeof(int) - 1);
+  EXPECT_THAT(flagsAt(smaller.data()), Not(HasSubstr(" hg ")));
   const HugePageVector<int> large(kLeastInHugePages / sizeof(int));
   EXPECT_EQ(addressOf(large.data()) % kHugePage, 0U);
   EXPECT_THAT(flagsAt(large.data()), HasSubstr(" hg "));
