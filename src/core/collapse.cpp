@@ -59,10 +59,10 @@ void Collapse::weighUpwards(const std::vector<Set>& sets, const Centroids& centr
   for (auto set = sets.rbegin(); set != sets.rend(); ++set) weigh(*set, centroids);
 }
 
-Collapse::Layout Collapse::layout() const {
-  Layout layout;
+WideLayout Collapse::layout() const {
+  WideLayout layout;
   layout.nodes.push_back({tree_.root(), 0, 0, 0, 0, 0});
-  std::vector<Children> children;  // of a level's nodes
+  std::vector<WideLayout::Children> children;  // of a level's nodes
   for (std::size_t level = 0; level < layout.nodes.size(); level += children.size()) {
     layout.levels.push_back(static_cast<std::uint32_t>(level));
     children.resize(layout.nodes.size() - level);
@@ -74,7 +74,7 @@ Collapse::Layout Collapse::layout() const {
   return layout;
 }
 
-void Collapse::Layout::add(const Children& children, std::uint32_t parent) {
+void WideLayout::add(const Children& children, std::uint32_t parent) {
   Node& node = nodes[parent];
   node.first_node = static_cast<std::uint32_t>(nodes.size());
   node.first_packet = static_cast<std::uint32_t>(packets.size());
@@ -87,7 +87,7 @@ void Collapse::Layout::add(const Children& children, std::uint32_t parent) {
 }
 
 /// Neighbours share a packet if there is room.
-void Collapse::Children::addPacket(const Set& set) {
+void WideLayout::Children::addPacket(const Set& set) {
   const bool shares = packet_count > 0 && packets[packet_count - 1].end == set.begin &&
                       set.end - packets[packet_count - 1].begin <= kLaneCount;
   if (shares) {
@@ -97,7 +97,7 @@ void Collapse::Children::addPacket(const Set& set) {
   }
 }
 
-Collapse::Children Collapse::childrenOf(const Set& whole) const {
+WideLayout::Children Collapse::childrenOf(const Set& whole) const {
   struct Pending {
     Set set;
     std::uint32_t lanes;
@@ -110,7 +110,7 @@ Collapse::Children Collapse::childrenOf(const Set& whole) const {
     pending[count++] = {other, lanes - of_first};
     pending[count++] = {one, of_first};
   };
-  Children children;
+  WideLayout::Children children;
   if (isPacket(whole)) {
     children.addPacket(whole);
   } else {

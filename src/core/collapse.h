@@ -11,6 +11,35 @@
 
 namespace organ_collision::core {
 
+/// What the hierarchy's sets become, level by level; the children of each node follow one another.
+struct WideLayout {
+  using Set = FarthestPairTree::Set;
+
+  struct Node {
+    Set set;
+    std::uint32_t parent, first_node, first_packet;
+    std::uint8_t node_count, packet_count;
+  };
+  struct Packet {
+    FarthestPairTree::Leaf begin, end;
+    std::uint32_t parent;
+  };
+  /// Of a node. Packets may hold neighbouring sets.
+  struct Children {
+    std::array<Set, kLaneCount> nodes, packets;
+    std::uint8_t node_count = 0;
+    std::uint8_t packet_count = 0;
+
+    void addPacket(const Set& set);
+  };
+
+  std::vector<Node> nodes;
+  std::vector<Packet> packets;
+  std::vector<std::uint32_t> levels;  ///< the first node of each
+
+  void add(const Children& children, std::uint32_t parent);
+};
+
 /// Which sets of the hierarchy become wide nodes and packets, so that the expected cost of a search
 /// is least: a set is visited as often as the square of its reach, and the tip's, tells; a visit
 /// costs the same for every node and a little more for a packet. Source: H. Ylitie, T. Karras,
@@ -28,32 +57,7 @@ class Collapse {
   /// `centroids` of the leaves, in the unit frame. O(n), on all cores.
   Collapse(const FarthestPairTree& tree, const Centroids& centroids);
 
-  struct Node {
-    Set set;
-    std::uint32_t parent, first_node, first_packet;
-    std::uint8_t node_count, packet_count;
-  };
-  struct Packet {
-    Leaf begin, end;
-    std::uint32_t parent;
-  };
-  /// Of a node. Packets may hold neighbouring sets.
-  struct Children {
-    std::array<Set, kLaneCount> nodes, packets;
-    std::uint8_t node_count = 0;
-    std::uint8_t packet_count = 0;
-
-    void addPacket(const Set& set);
-  };
-  /// What the sets become, level by level; the children of each node follow one another.
-  struct Layout {
-    std::vector<Node> nodes;
-    std::vector<Packet> packets;
-    std::vector<std::uint32_t> levels;  ///< the first node of each
-
-    void add(const Children& children, std::uint32_t parent);
-  };
-  Layout layout() const;
+  WideLayout layout() const;
 
  private:
   /// Of a set in up to 1, 2, ... 8 lanes. Which lanes, and whether it is a packet, follows from
@@ -64,7 +68,7 @@ class Collapse {
     float weight;  ///< what it costs to look at a node of that size
   };
 
-  Children childrenOf(const Set& whole) const;
+  WideLayout::Children childrenOf(const Set& whole) const;
   bool isPacket(const Set& set) const;
   const Costs& costsOf(const Set& child, const Costs& of_leaf) const;
   std::uint32_t lanesUsed(const Set& set, std::uint32_t lanes) const;

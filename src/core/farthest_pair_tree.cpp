@@ -89,14 +89,14 @@ std::vector<TriangleId> orderedTriangles(const TriangleMesh& mesh, const Columns
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
   std::vector<TriangleId> triangles(count);
   for (std::size_t i = 0; i < count; ++i) triangles[ends[slices[i]]++] = static_cast<TriangleId>(i);
-  const auto at = [&](std::size_t place) {
-    return triangles.begin() + static_cast<std::ptrdiff_t>(place);
+  const auto comes_first = [&](TriangleId first, TriangleId second) {
+    return comesFirst(mesh, centroids, first, second);
   };
   forEach(count, kTrianglesPerTask, [&](std::size_t slice) {
-    tbb::parallel_sort(at(slice > 0 ? ends[slice - 1] : 0), at(ends[slice]),
-                       [&](TriangleId first, TriangleId second) {
-                         return comesFirst(mesh, centroids, first, second);
-                       });
+    const std::uint32_t begin = slice > 0 ? ends[slice - 1] : 0;
+    const std::uint32_t end = ends[slice];
+    if (end - begin > 1)
+      tbb::parallel_sort(&triangles[begin], &triangles[begin] + (end - begin), comes_first);
   });
   return triangles;
 }

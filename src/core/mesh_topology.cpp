@@ -45,21 +45,38 @@ std::vector<bool> usedVertices(const TriangleMesh& mesh) {
   return used;
 }
 
-/// Where all of a set lead to: R. Tarjan, "Efficiency of a good but not linear set union algorithm"
-/// (1975), with the way halved.
-template <class Number>
-Number lowest(std::vector<Number>& leads_to, Number number) {
-  while (leads_to[number] != number) number = leads_to[number] = leads_to[leads_to[number]];
-  return number;
-}
+/// Sets of numbers. Each leads to a lower one of its set, or is the lowest: R. Tarjan, "Efficiency
+/// of a good but not linear set union algorithm" (1975), with the way halved.
+class DisjointSets {
+ public:
+  using Number = std::uint32_t;
+
+  explicit DisjointSets(std::size_t size = 0) : leads_to_(size) {
+    std::iota(leads_to_.begin(), leads_to_.end(), Number{0});
+  }
+
+  Number lowest(Number number) {
+    while (leads_to_[number] != number) number = leads_to_[number] = leads_to_[leads_to_[number]];
+    return number;
+  }
+  void join(Number a, Number b, Number c) {
+    a = lowest(a);
+    b = lowest(b);
+    c = lowest(c);
+    leads_to_[a] = leads_to_[b] = leads_to_[c] = std::min({a, b, c});
+  }
+  void join(Number a, Number b) { join(a, b, b); }
+
+ private:
+  std::vector<Number> leads_to_;
+};
 
 }  // namespace
 
 MeshTopology::MeshTopology(const TriangleMesh& mesh) {
   weldVertices(mesh);
   listTriangles(mesh);
-  listParts(mesh);
-  inspect(mesh);
+  listParts(mesh, inspect(mesh));
 }
 
 /// By a table of the welds so far, at most half full, each at or after the place of its hash.
@@ -99,22 +116,6 @@ void MeshTopology::listTriangles(const TriangleMesh& mesh) {
     for (const VertexId corner : mesh.triangles()[i])
       triangles_at_[next[weld(corner)]++] = static_cast<TriangleId>(i);
   }
-}
-
-/// Each weld leads to a lower one of its part, and so to the lowest.
-void MeshTopology::listParts(const TriangleMesh& mesh) {
-  std::vector<Weld> leads_to(representatives_.size());
-  std::iota(leads_to.begin(), leads_to.end(), Weld{0});
-  for (const Corners& corners : mesh.triangles()) {
-    const Weld a = lowest(leads_to, weld(corners[0]));
-    const Weld b = lowest(leads_to, weld(corners[1]));
-    const Weld c = lowest(leads_to, weld(corners[2]));
-    const Weld least = std::min({a, b, c});
-    leads_to[a] = leads_to[b] = leads_to[c] = least;
-  }
-  for (Weld weld = 0; weld < leads_to.size(); ++weld)
-    if (leads_to[weld] == weld && offsets_[weld] != offsets_[weld + 1])
-      parts_.push_back(representatives_[weld]);
 }
 
 struct MeshTopology::Findings {
@@ -228,7 +229,7 @@ class MeshTopology::Inspector {
   std::vector<std::uint64_t> opposite_sides_;  // both ends
 };
 
-void MeshTopology::inspect(const TriangleMesh& mesh) {
+MeshTopology::ClosedFans MeshTopology::inspect(const TriangleMesh& mesh) {
   ClosedFans closed_fans(representatives_.size());
   OwnContext context;
   const Findings findings = tbb::parallel_reduce(
@@ -249,50 +250,88 @@ void MeshTopology::inspect(const TriangleMesh& mesh) {
   closed_ = findings.closed;
   consistently_wound_ = findings.consistently_wound;
   duplicate_triangles_ = findings.duplicate_triangles;
-  if (!closed_ || !consistently_wound_ || parts_.size() != 1) return;
-  if (std::find(closed_fans.begin(), closed_fans.end(), 0) != closed_fans.end())
-    pieces_ = piecesOf(mesh, closed_fans);
-  one_piece_ = std::all_of(pieces_.begin(), pieces_.end(),
-                           [this](std::uint32_t piece) { return piece == pieces_.front(); });
-  if (one_piece_) pieces_ = {};
+  return closed_fans;
 }
 
-/// Of each triangle, a number that it shares with those that it hangs together with across edges of
-/// two triangles. All of a closed fan do.
-std::vector<std::uint32_t> MeshTopology::piecesOf(const TriangleMesh& mesh,
-                                                  const ClosedFans& closed_fans) const {
-  const auto weld_count = static_cast<std::uint32_t>(representatives_.size());
-  std::vector<std::uint32_t> leads_to(weld_count + mesh.triangleCount());  // triangles come last
-  std::iota(leads_to.begin(), leads_to.end(), 0U);
-  for (std::uint32_t self = weld_count; self < leads_to.size(); ++self) {
-    std::array<std::uint32_t, 3> joined = {self, self, self};
-    const Corners& corners = mesh.triangles()[self - weld_count];
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      if (closed_fans[weld(corners[i])] != 0) joined[i] = lowest(leads_to, weld(corners[i]));
-    leads_to[self] = std::min({joined[0], joined[1], joined[2]});
-    for (const std::uint32_t number : joined) leads_to[number] = leads_to[self];
-  }
-  std::vector<std::pair<Weld, std::uint32_t>> edges;  // by their other end
-  for (Weld here = 0; here < weld_count; ++here) {
-    if (closed_fans[here] != 0) continue;
-    edges.clear();
-    for (const TriangleId triangle : trianglesAt(here))
-      for (const VertexId corner : mesh.corners(triangle))
-        if (weld(corner) > here)
-          edges.emplace_back(weld(corner),
-                             weld_count + static_cast<std::uint32_t>(index(triangle)));
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
-      if (end - begin != 2) continue;
-      const std::uint32_t one = lowest(leads_to, edges[begin].second);
-      const std::uint32_t other = lowest(leads_to, edges[begin + 1].second);
-      leads_to[std::max(one, other)] = std::min(one, other);
+/// Which triangles hang together: those of each closed fan do. A set is told by a closed fan that
+/// is in it, or else by a triangle, whose numbers come after those of all welds.
+class MeshTopology::Joiner {
+ public:
+  Joiner(const MeshTopology& topology, const TriangleMesh& mesh, const ClosedFans& closed_fans)
+      : topology_(topology), mesh_(mesh), closed_fans_(closed_fans) {
+    for (Weld weld = 0; weld < closed_fans.size(); ++weld)
+      if (closed_fans[weld] == 0) others_.push_back(weld);
+    sets_ = DisjointSets(closed_fans.size() + (others_.empty() ? 0 : mesh.triangleCount()));
+    for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+      const auto& [a, b, c] = mesh.triangles()[i];
+      const Weld set = setOf(static_cast<TriangleId>(i));
+      const auto fan_at = [&](VertexId corner) { return isFan(corner) ? weld(corner) : set; };
+      sets_.join(fan_at(a), fan_at(b), fan_at(c));
     }
   }
-  std::vector<std::uint32_t> pieces(mesh.triangleCount());
-  for (std::uint32_t i = 0; i < pieces.size(); ++i) pieces[i] = lowest(leads_to, weld_count + i);
-  return pieces;
+
+  bool allAreFans() const { return others_.empty(); }
+
+  /// Those of two triangles.
+  void joinAcrossEdges() {
+    std::vector<std::pair<Weld, Weld>> edges;  // by their other end; and what is there
+    for (const Weld here : others_) {
+      edges.clear();
+      for (const TriangleId triangle : topology_.trianglesAt(here))
+        for (const VertexId corner : mesh_.corners(triangle))
+          if (weld(corner) > here && !isFan(corner))
+            edges.emplace_back(weld(corner), setOf(triangle));
+      std::sort(edges.begin(), edges.end());
+      for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        while (end < edges.size() && edges[end].first == edges[begin].first) ++end;
+        if (end - begin == 2) sets_.join(edges[begin].second, edges[begin + 1].second);
+      }
+    }
+  }
+
+  void joinAtVertices() {
+    for (const Weld here : others_)
+      for (const TriangleId triangle : topology_.trianglesAt(here))
+        sets_.join(here, setOf(triangle));
+  }
+
+  /// The lowest number of what hangs together with it.
+  Weld lowest(Weld weld) { return sets_.lowest(weld); }
+  Weld lowest(TriangleId triangle) { return sets_.lowest(setOf(triangle)); }
+
+ private:
+  Weld weld(VertexId corner) const { return topology_.weld(corner); }
+  bool isFan(VertexId corner) const { return closed_fans_[weld(corner)] != 0; }
+  Weld setOf(TriangleId triangle) const {
+    for (const VertexId corner : mesh_.corners(triangle))
+      if (isFan(corner)) return weld(corner);
+    return static_cast<Weld>(closed_fans_.size() + index(triangle));
+  }
+
+  const MeshTopology& topology_;
+  const TriangleMesh& mesh_;
+  const ClosedFans& closed_fans_;
+  std::vector<Weld> others_;  // that are no closed fans
+  DisjointSets sets_;
+};
+
+void MeshTopology::listParts(const TriangleMesh& mesh, const ClosedFans& closed_fans) {
+  Joiner joiner(*this, mesh, closed_fans);
+  if (closed_ && consistently_wound_ && !joiner.allAreFans()) {
+    joiner.joinAcrossEdges();
+    pieces_.resize(mesh.triangleCount());
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      pieces_[i] = joiner.lowest(static_cast<TriangleId>(i));
+  }
+  joiner.joinAtVertices();
+  for (Weld weld = 0; weld < representatives_.size(); ++weld)
+    if (joiner.lowest(weld) == weld && offsets_[weld] != offsets_[weld + 1])
+      parts_.push_back(representatives_[weld]);
+  const bool is_one_part = closed_ && consistently_wound_ && parts_.size() == 1;
+  one_piece_ =
+      is_one_part && std::all_of(pieces_.begin(), pieces_.end(),
+                                 [this](std::uint32_t piece) { return piece == pieces_.front(); });
+  if (one_piece_ || !is_one_part) pieces_ = {};
 }
 
 bool MeshTopology::isOf(std::uint32_t piece, Weld weld) const {

@@ -67,9 +67,9 @@ std::uint32_t lanesOf(const std::array<FarthestPairTree::Leaf, kLaneCount>& pole
 
 }  // namespace
 
-Poles listSplits(const FarthestPairTree& tree, const Collapse::Layout& layout, std::uint32_t number,
+Poles listSplits(const FarthestPairTree& tree, const WideLayout& layout, std::uint32_t number,
                  NodeSplits& splits, PacketSplits* packets) {
-  const Collapse::Node& node = layout.nodes[number];
+  const WideLayout::Node& node = layout.nodes[number];
   splits.sets.fill(0);
   SplitList list(node.set.begin);
   std::uint32_t child = node.first_node;

@@ -10,7 +10,7 @@ namespace organ_collision::core {
 
 /// The hierarchy's splits within one of the layout's nodes and within its packets, but for where
 /// the triangles are; returns the poles of the node's, as leaves.
-Poles listSplits(const FarthestPairTree& tree, const Collapse::Layout& layout, std::uint32_t number,
+Poles listSplits(const FarthestPairTree& tree, const WideLayout& layout, std::uint32_t number,
                  NodeSplits& splits, PacketSplits* packets);
 
 }  // namespace organ_collision::core

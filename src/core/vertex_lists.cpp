@@ -38,7 +38,7 @@ class Numbering {
 /// Calls `see(packet, corner, lane, vertex)` for all lanes of a node's packets; those that are not
 /// in use repeat the first.
 template <class See>
-[[gnu::always_inline]] inline void forEachCorner(const Collapse::Layout& layout, std::size_t node,
+[[gnu::always_inline]] inline void forEachCorner(const WideLayout& layout, std::size_t node,
                                                  const Corners* corners, const See& see) {
   const std::uint32_t first = layout.nodes[node].first_packet;
   for (std::uint32_t packet = first; packet < first + layout.nodes[node].packet_count; ++packet) {
@@ -53,7 +53,7 @@ template <class See>
 
 }  // namespace
 
-VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Corners>& corners) {
+VertexLists listVertices(const WideLayout& layout, const HugePageVector<Corners>& corners) {
   VertexLists lists;
   lists.corners.resize(layout.packets.size());
   lists.firsts.assign(layout.nodes.size() + 1, 0);

@@ -7,6 +7,6 @@ namespace organ_collision::core {
 
 /// The vertices that the packets of each of the layout's nodes have, `corners` being those of the
 /// leaves, in the order in which they are to be taken. O(n), on all cores.
-VertexLists listVertices(const Collapse::Layout& layout, const HugePageVector<Corners>& corners);
+VertexLists listVertices(const WideLayout& layout, const HugePageVector<Corners>& corners);
 
 }  // namespace organ_collision::core

@@ -1,6 +1,5 @@
 #include "organ_collision/core/wide_tree.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,6 +10,7 @@
 #include "core/for_each.h"
 #include "core/kernels/kernels.h"
 #include "core/node_splits.h"
+#include "core/principal_axes.h"
 #include "core/vertex_lists.h"
 #include "organ_collision/core/predicates.h"
 
@@ -40,9 +40,6 @@ constexpr double kSumRounding = 0x1p-46;
 /// longer: benchmark/update_figures tells both.
 constexpr int kLevels = 2;
 
-/// Of a node's centroids, at most so many are asked for its axes.
-constexpr std::size_t kAxesPoints = 256;
-
 constexpr std::size_t kLeafGrain = 1024;    // so many are worth a task
 constexpr std::size_t kNodeGrain = 16;      // so many to be turned, too
 constexpr std::size_t kPacketGrain = 1024;  // so many to be numbered, too
@@ -61,28 +58,6 @@ void store(const Matrix3f& matrix, std::array<std::array<float, 3>, 3>& rows) {
 
 Eigen::Map<const Vector3f> vector(const std::array<float, 3>& values) {
   return Eigen::Map<const Vector3f>(values.data());
-}
-
-/// The principal axes of points, in rows; of many, those of every so many-th. Sums in the points'
-/// order, whatever their alignment.
-Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
-  const std::size_t step = 1 + count / kAxesPoints;
-  Vector3d mean = Vector3d::Zero();
-  for (std::size_t i = 0; i < count; i += step) mean += points[i];
-  const std::size_t added = (count + step - 1) / step;
-  mean /= static_cast<double>(added);
-  Vector3d squares = Vector3d::Zero();
-  Vector3d products = Vector3d::Zero();  // y*z, z*x, x*y
-  for (std::size_t i = 0; i < count; i += step) {
-    const Vector3d offset = points[i] - mean;
-    squares += offset.cwiseAbs2();
-    products += Vector3d(offset.y() * offset.z(), offset.z() * offset.x(), offset.x() * offset.y());
-  }
-  Matrix3d covariance;
-  covariance << squares.x(), products.z(), products.y(),  //
-      products.z(), squares.y(), products.x(),            //
-      products.y(), products.x(), squares.z();
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().transpose();
 }
 
 /// The same corners, in an order that turns as theirs does.
@@ -111,7 +86,7 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
     centroids[leaf] = frame(centroid(triangle));
     longest_edges_first[leaf] = longestEdgeFirst(corners_[leaf], triangle);
   });
-  Collapse::Layout layout = Collapse(tree, centroids).layout();
+  WideLayout layout = Collapse(tree, centroids).layout();
   levels_ = std::move(layout.levels);
   packets_.resize(layout.packets.size());
   nodes_.resize(layout.nodes.size());
@@ -120,41 +95,51 @@ WideTree::WideTree(const FarthestPairTree& tree, const TriangleMesh& mesh, const
   guide_.nodes.resize(nodes_.size());
   guide_.packets.resize(packets_.size());
   poles_.resize(nodes_.size());
-  const auto list_node = [&](std::size_t self) {
-    const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
-        layout.nodes[self];
-    Node& node = nodes_[self];
-    node.first_node = first_node;
-    node.first_packet = first_packet;
-    node.node_count = node_count;
-    node.lane_count = static_cast<std::uint8_t>(node_count + packet_count);
-    store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
-    parents_[self] = parent;
-    guide_.sets[self] = set;
-    poles_[self] = listSplits(tree, layout, static_cast<std::uint32_t>(self), guide_.nodes[self],
-                              guide_.packets.data());
-  };
-  const auto list_packet = [&](std::size_t self) {
-    const auto& [begin, end, parent] = layout.packets[self];
-    Packet& packet = packets_[self];
-    packet.first_leaf = begin;
-    packet.lane_count = end - begin;
-    packet.parent = parent;
-    for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
-      slots_[index(tree.triangle(begin + lane))] =
-          static_cast<std::uint32_t>(self) * kLaneCount + lane;
-  };
-  sideBySide([&] { forEach(nodes_.size(), kNodeGrain, list_node); },
-             [&] {
-               lists_ = listVertices(layout, longest_edges_first);
-               forEach(packets_.size(), kPacketGrain, list_packet);
-             });
+  sideBySide(
+      [&] {
+        forEach(nodes_.size(), kNodeGrain,
+                [&](std::size_t self) { listNode(tree, layout, centroids, self); });
+      },
+      [&] {
+        lists_ = listVertices(layout, longest_edges_first);
+        forEach(packets_.size(), kPacketGrain,
+                [&](std::size_t self) { listPacket(tree, layout, self); });
+      });
   forEach(nodes_.size(), kPacketGrain,
           [&](std::size_t self) { poles_[self] = slotsOfPoles(tree, poles_[self]); });
   listParts();
   tallies_.resize(nodes_.size());
   touched_.resize(2 * nodes_.size());
   fitAll(mesh, Fit::kCorners);
+}
+
+/// Its poles as leaves: not all of their slots are known yet.
+void WideTree::listNode(const FarthestPairTree& tree, const WideLayout& layout,
+                        const HugePageVector<Vector3d>& centroids, std::size_t self) {
+  const auto& [set, parent, first_node, first_packet, node_count, packet_count] =
+      layout.nodes[self];
+  Node& node = nodes_[self];
+  node.first_node = first_node;
+  node.first_packet = first_packet;
+  node.node_count = node_count;
+  node.lane_count = static_cast<std::uint8_t>(node_count + packet_count);
+  store((kShorter * principalAxes(&centroids[set.begin], set.size())).cast<float>(), node.axes);
+  parents_[self] = parent;
+  guide_.sets[self] = set;
+  poles_[self] = listSplits(tree, layout, static_cast<std::uint32_t>(self), guide_.nodes[self],
+                            guide_.packets.data());
+}
+
+void WideTree::listPacket(const FarthestPairTree& tree, const WideLayout& layout,
+                          std::size_t self) {
+  const auto& [begin, end, parent] = layout.packets[self];
+  Packet& packet = packets_[self];
+  packet.first_leaf = begin;
+  packet.lane_count = end - begin;
+  packet.parent = parent;
+  for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
+    slots_[index(tree.triangle(begin + lane))] =
+        static_cast<std::uint32_t>(self) * kLaneCount + lane;
 }
 
 /// REQUIRES: all leaves are listed.

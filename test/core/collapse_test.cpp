@@ -85,9 +85,9 @@ TEST(Collapse, LaysSetsOutAsCheaplyAsCanBe) {
     if (organ.mesh().triangleCount() <= kLaneCount) continue;  // no more than a packet
     Costs costs(organ);
     const Set root = organ.tree().root();
-    const Collapse::Layout layout = Collapse(organ.tree(), centroidsOf(organ)).layout();
+    const WideLayout layout = Collapse(organ.tree(), centroidsOf(organ)).layout();
     double cost = 0.0;
-    for (const Collapse::Node& node : layout.nodes) cost += costs.ofNode(node.set);
+    for (const WideLayout::Node& node : layout.nodes) cost += costs.ofNode(node.set);
     for (const auto& [begin, end, parent] : layout.packets)
       cost += costs.ofPacket(root, root, begin, end);
     const double least = costs.ofNode(root) + costs.leastBelow(root, kLaneCount);

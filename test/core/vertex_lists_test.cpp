@@ -59,7 +59,7 @@ TEST(VertexLists, HoldMostVerticesOnceANode) {
 TEST(VertexLists, HaveRoomForAsManyVerticesAsANodeCanHave) {
   // Triangles that share none, in numbers that all meet in one place of what was seen.
   constexpr std::uint32_t kApart = 1024;
-  Collapse::Layout layout;
+  WideLayout layout;
   layout.nodes.push_back({{}, 0, 0, 0, 0, kLaneCount});
   HugePageVector<Corners> corners;
   for (std::uint32_t leaf = 0; leaf < kLaneCount * kLaneCount; ++leaf) {

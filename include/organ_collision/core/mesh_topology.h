@@ -68,13 +68,12 @@ class MeshTopology {
   using ClosedFans = std::vector<std::uint8_t>;  // whether the triangles around each weld are one
   struct Findings;
   class Inspector;
+  class Joiner;
 
   void weldVertices(const TriangleMesh& mesh);
   void listTriangles(const TriangleMesh& mesh);
-  void listParts(const TriangleMesh& mesh);
-  void inspect(const TriangleMesh& mesh);
-  std::vector<std::uint32_t> piecesOf(const TriangleMesh& mesh,
-                                      const ClosedFans& closed_fans) const;
+  ClosedFans inspect(const TriangleMesh& mesh);
+  void listParts(const TriangleMesh& mesh, const ClosedFans& closed_fans);
   bool isOf(std::uint32_t piece, Weld weld) const;
 
   std::vector<Weld> welds_;                // of each vertex; none if each has its own

@@ -16,6 +16,7 @@ namespace organ_collision::core {
 
 enum class Fit : std::uint8_t;
 struct PlainTree;
+struct WideLayout;
 
 /// What leads the paper's search, as well as single precision can tell.
 struct GreedyGuide {
@@ -91,6 +92,9 @@ class WideTree {
   Range nodesOn(std::size_t level) const;
   Range childrenOf(const Range& nodes) const;
   Range packetsOf(const Range& nodes) const;
+  void listNode(const FarthestPairTree& tree, const WideLayout& layout,
+                const HugePageVector<Eigen::Vector3d>& centroids, std::size_t self);
+  void listPacket(const FarthestPairTree& tree, const WideLayout& layout, std::size_t self);
   Poles slotsOfPoles(const FarthestPairTree& tree, const Poles& leaves) const;
   void listParts();
   void addPart(std::uint32_t self, std::uint8_t lane, std::uint32_t below, std::uint8_t first_lane);
