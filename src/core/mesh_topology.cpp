@@ -63,7 +63,7 @@ class DisjointSets {
     a = lowest(a);
     b = lowest(b);
     c = lowest(c);
-    leads_to_[a] = leads_to_[b] = leads_to_[c] = std::min({a, b, c});
+    if (a != b || a != c) leads_to_[a] = leads_to_[b] = leads_to_[c] = std::min({a, b, c});
   }
   void join(Number a, Number b) { join(a, b, b); }
 
