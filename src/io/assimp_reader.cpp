@@ -10,6 +10,7 @@
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -33,6 +34,8 @@ class Gatherer {
         refuse(node, "its scale, or the file's unit, is 0");
       const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
       if (mesh.HasBones()) refuse(node, "bones move its mesh");
+      for (unsigned k = 0; k < mesh.mNumAnimMeshes; ++k)
+        if (mesh.mAnimMeshes[k]->mWeight != 0.0F) refuse(node, "morph targets move its mesh");
       add(mesh, root_from_node);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
@@ -88,20 +91,24 @@ class Gatherer {
   WeldedMesh welded_;
 };
 
-/// Opens one file and no other that it may name: meshes may be read from one folder only.
+/// Opens one file and no other that it may name: meshes may be read from one folder only. The first
+/// other one is told.
 class OneFile : public Assimp::DefaultIOSystem {
  public:
-  explicit OneFile(std::string name) : name_(std::move(name)) {}
+  OneFile(std::string name, std::string& other) : name_(std::move(name)), other_(other) {}
 
   bool Exists(const char* file) const override {
     return file == name_ && DefaultIOSystem::Exists(file);
   }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    return file == name_ ? DefaultIOSystem::Open(file, mode) : nullptr;
+    if (file == name_) return DefaultIOSystem::Open(file, mode);
+    if (other_.empty()) other_ = file;
+    return nullptr;
   }
 
  private:
   std::string name_;
+  std::string& other_;
 };
 
 /// Remembers the first that it is told of what was left out of a surface, or read as it is not.
@@ -165,12 +172,18 @@ core::TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(extension))
     throw std::invalid_argument("the extension '" + extension + "' names no format of meshes");
-  importer.SetIOHandler(new OneFile(file.string()));  // NOLINT: the importer owns it
+  std::string other_file;
+  importer.SetIOHandler(new OneFile(file.string(), other_file));  // NOLINT: the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // invented, to show bones
   const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) {
-    throw std::runtime_error(importer.GetErrorString());
+    const std::string error = importer.GetErrorString();
+    if (error == "std::bad_alloc") throw std::bad_alloc();
+    if (!other_file.empty())
+      throw std::invalid_argument("it needs another file, '" + other_file +
+                                  "', but only itself is opened: save it as one file");
+    throw std::runtime_error(error);
   }
   requireRead(importer, extension);
   if (!first_loss.empty()) throw std::runtime_error("assimp says: " + first_loss);

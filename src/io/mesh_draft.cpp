@@ -2,20 +2,20 @@
 
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "shown.h"
 
 namespace organ_collision::io {
 
 void addVertex(MeshDraft& draft, const Eigen::Vector3d& position) {
   constexpr double kLargest = std::numeric_limits<float>::max();  // mesh updates come as float32
   if (!(position.array().abs() <= kLargest).all()) {
-    std::ostringstream message;
-    message << "vertex " << draft.positions.size() << " is at (" << position.x() << ", "
-            << position.y() << ", " << position.z()
-            << "): coordinates must be finite and fit into a 32-bit float";
-    throw std::invalid_argument(message.str());
+    throw std::invalid_argument("vertex " + std::to_string(draft.positions.size()) + " is at (" +
+                                shown(position.x()) + ", " + shown(position.y()) + ", " +
+                                shown(position.z()) +
+                                "): coordinates must be finite and fit into a 32-bit float");
   }
   draft.positions.push_back(position);
 }
@@ -26,9 +26,8 @@ core::VertexId vertexOf(std::int64_t face, double number, std::int64_t count) {
       std::floor(number) == number) {
     return core::VertexId(static_cast<std::uint32_t>(number));
   }
-  std::ostringstream message;
-  message << "face " << face << " names vertex " << number << " of " << count;
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument("face " + std::to_string(face) + " names vertex " + shown(number) +
+                              " of " + std::to_string(count) + ", counted from 0");
 }
 
 void addPolygon(MeshDraft& draft, const std::vector<core::VertexId>& corners) {

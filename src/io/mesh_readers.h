@@ -36,8 +36,8 @@ core::TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::
 
 // Each throws for what assimp passes over without a word.
 
-/// Of dae, a negative unit, which would mirror, and negative indices and counts of corners, which
-/// assimp takes for 0.
+/// Of dae, a negative unit, which would mirror; indices and counts of corners that are negative or
+/// no numbers; and counts of triangles, of which assimp would pass over all.
 void checkDae(std::string_view text);
 
 /// Of gltf and glb, extensions without which they cannot be read.

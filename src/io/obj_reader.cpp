@@ -6,6 +6,7 @@
 
 #include "mesh_draft.h"
 #include "mesh_readers.h"
+#include "shown.h"
 #include "text_lines.h"
 
 namespace organ_collision::io {
@@ -43,8 +44,11 @@ core::TriangleMesh readObj(std::string_view text) {
   std::size_t line_of_most = 0;
   for (TextLines lines(text); lines.next();) {
     const std::string_view keyword = lines.words().front();
+    if (lines.words().back().back() == '\\')
+      lines.refuse("it goes on in the next line, which is not read so: join the two");
     if (keyword == "v") {
-      addVertex(draft, {lines.real(1), lines.real(2), lines.real(3)});
+      const Eigen::Vector3d position(lines.real(1), lines.real(2), lines.real(3));
+      lines.ofThisLine([&] { addVertex(draft, position); });
       for (std::size_t i = 4; i < lines.words().size(); ++i) lines.real(i);  // weight, colour
     } else if (keyword == "f") {
       corners.clear();
@@ -59,7 +63,7 @@ core::TriangleMesh readObj(std::string_view text) {
                      " corners: 3 or more are wanted");
       addPolygon(draft, corners);
     } else if (!isPassedOver(keyword)) {
-      lines.refuse("it begins with no keyword of obj");
+      lines.refuse("it begins with " + quoted(keyword) + ", which is no keyword of obj");
     }
   }
   if (most_named > draft.positions.size())

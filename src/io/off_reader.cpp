@@ -14,7 +14,7 @@ std::size_t readKeyword(TextLines& lines) {
   static const std::set<std::string_view> kKeywords = {"OFF",   "COFF",   "NOFF",   "CNOFF",
                                                        "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
   lines.require("the keyword OFF");
-  if (kKeywords.count(lines.words().front()) == 0) lines.refuse("the keyword OFF is wanted");
+  if (kKeywords.count(lines.words().front()) == 0) lines.refuse("the keyword OFF is wanted", 0);
   if (lines.words().size() > 1) return 1;
   lines.require("the number of vertices and faces");
   return 0;
@@ -37,7 +37,8 @@ core::TriangleMesh readOff(std::string_view text) {
   MeshDraft draft;
   for (std::int64_t i = 0; i < vertices; ++i) {
     lines.require("a vertex");
-    addVertex(draft, {lines.real(0), lines.real(1), lines.real(2)});
+    const Eigen::Vector3d position(lines.real(0), lines.real(1), lines.real(2));
+    lines.ofThisLine([&] { addVertex(draft, position); });
   }
   std::vector<core::VertexId> corners;
   for (std::int64_t i = 0; i < faces; ++i) {
@@ -45,9 +46,10 @@ core::TriangleMesh readOff(std::string_view text) {
     corners.clear();
     const std::int64_t corner_count = count(lines, 0);
     for (std::int64_t k = 1; k <= corner_count; ++k) {
-      corners.push_back(vertexOf(i, lines.real(static_cast<std::size_t>(k)), vertices));
+      const double number = lines.real(static_cast<std::size_t>(k));
+      corners.push_back(lines.ofThisLine([&] { return vertexOf(i, number, vertices); }));
     }
-    addPolygon(draft, corners);
+    lines.ofThisLine([&] { addPolygon(draft, corners); });
   }
   if (lines.next()) lines.refuse("more follows than the counts say");
   return {std::move(draft.positions), std::move(draft.triangles)};

@@ -11,6 +11,7 @@
 
 #include "mesh_draft.h"
 #include "mesh_readers.h"
+#include "shown.h"
 #include "text_lines.h"
 
 namespace organ_collision::io {
@@ -45,7 +46,7 @@ Value named(const TextLines& lines, std::size_t word,
   if (found != values.end()) return found->second;
   std::string known;
   for (const auto& [name, value] : values) known.append(" ").append(name);
-  lines.refuse("word " + std::to_string(word + 1) + " must be one of:" + known);
+  lines.refuse("word " + std::to_string(word + 1) + " must be one of:" + known, word);
 }
 
 Type typeNamed(const TextLines& lines, std::size_t word) {
@@ -65,10 +66,11 @@ Encoding readEncoding(TextLines& lines) {
       {"binary_little_endian", Encoding::kLittleEndian},
       {"binary_big_endian", Encoding::kBigEndian}};
   lines.require("the word ply");
-  if (lines.words() != std::vector<std::string_view>{"ply"}) lines.refuse("the word ply is wanted");
+  if (lines.words() != std::vector<std::string_view>{"ply"})
+    lines.refuse("the word ply is wanted", 0);
   lines.require("the format");
   while (lines.words().front() == "comment") lines.require("the format");
-  if (lines.words().front() != "format") lines.refuse("the format is wanted");
+  if (lines.words().front() != "format") lines.refuse("the format is wanted", 0);
   return named(lines, 1, kEncodings);
 }
 
@@ -99,7 +101,7 @@ Header readHeader(TextLines& lines) {
     } else if (keyword == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(readProperty(lines));
     } else if (keyword != "comment" && keyword != "obj_info") {
-      lines.refuse("element, property, comment or end_header is wanted");
+      lines.refuse("element, property, comment or end_header is wanted", 0);
     }
   }
   return header;
@@ -108,7 +110,9 @@ Header readHeader(TextLines& lines) {
 const Element& elementNamed(const Header& header, const std::string& name) {
   const auto is_it = [&](const Element& element) { return element.name == name; };
   if (std::count_if(header.elements.begin(), header.elements.end(), is_it) != 1) {
-    throw std::invalid_argument("the header must have one element " + name);
+    std::string known;
+    for (const Element& element : header.elements) known.append(" ").append(element.name);
+    throw std::invalid_argument("the header must have one element " + name + "; it has:" + known);
   }
   return *std::find_if(header.elements.begin(), header.elements.end(), is_it);
 }
@@ -132,7 +136,7 @@ std::size_t place(const Element& element, const std::vector<std::string>& names,
 template <typename Number>
 double take(std::string_view& bytes, bool swapped) {
   std::array<char, sizeof(Number)> raw{};
-  if (bytes.size() < raw.size()) throw std::invalid_argument("the file ends early");
+  if (bytes.size() < raw.size()) throw std::invalid_argument("the file ends there");
   std::copy_n(bytes.begin(), raw.size(), raw.begin());
   if (swapped) std::reverse(raw.begin(), raw.end());
   bytes.remove_prefix(raw.size());
@@ -163,7 +167,8 @@ double take(Type type, std::string_view& bytes, bool swapped) {
   throw std::logic_error("a type that is not in the list");
 }
 
-/// The numbers of the body, one after the other. All types fit into a double.
+/// The numbers of the body, row by row, of which text has one in a line. All types fit into a
+/// double. Errors name the line or, of a binary body, the row.
 class Body {
  public:
   Body(Encoding encoding, const TextLines& header)
@@ -171,22 +176,42 @@ class Body {
         swapped_((encoding == Encoding::kLittleEndian) !=
                  (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)),
         bytes_(header.rest()),
-        lines_(header),
-        word_(header.words().size()) {}
+        lines_(header) {}
 
-  double next(Type type) {
-    if (!ascii_) return take(type, bytes_, swapped_);
-    if (word_ == lines_.words().size()) {
-      lines_.require("a number");
+  /// Calls `use(*this)` for the next row, that of this number of an element.
+  template <class Use>
+  void readRow(const std::string& element, std::int64_t number, const Use& use) {
+    if (ascii_) {
       word_ = 0;
+      if (!lines_.next())
+        lines_.refuse("the file ends here, but a row of element " + element + " is wanted");
+      use(*this);
+      if (word_ < lines_.words().size())
+        lines_.refuse("it has " + std::to_string(lines_.words().size()) + " words, but " +
+                      std::to_string(word_) + " are wanted");
+      return;
     }
-    return lines_.real(word_++);
+    try {
+      use(*this);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("row " + std::to_string(number) + " of element " + element +
+                                  ": " + error.what());
+    }
   }
 
-  /// Whether nothing but blanks is left.
-  bool isAtEnd() {
-    if (!ascii_) return bytes_.find_first_not_of(" \r\n") == std::string_view::npos;
-    return word_ == lines_.words().size() && !lines_.next();
+  double next(Type type) { return ascii_ ? lines_.real(word_++) : take(type, bytes_, swapped_); }
+  /// What `action`, which reads nothing, throws is said of the line, if there are some.
+  template <class Action>
+  void ofThisRow(const Action& action) const {
+    if (!ascii_) return action();
+    lines_.ofThisLine(action);
+  }
+
+  /// REQUIRES: all rows are read.
+  void requireEnd() {
+    const bool ends =
+        ascii_ ? !lines_.next() : bytes_.find_first_not_of(" \r\n") == std::string_view::npos;
+    if (!ends) ofThisRow([] { throw std::invalid_argument("more follows than the header says"); });
   }
 
  private:
@@ -194,7 +219,7 @@ class Body {
   bool swapped_;
   std::string_view bytes_;
   TextLines lines_;
-  std::size_t word_;
+  std::size_t word_ = 0;
 };
 
 using Values = std::vector<double>;
@@ -203,8 +228,9 @@ using Values = std::vector<double>;
 void readValues(const Property& property, Body& body, Values& values) {
   const double count = property.count_type ? body.next(*property.count_type) : 1.0;
   if (count < 0.0 || std::floor(count) != count) {
-    throw std::invalid_argument("list " + property.name + " has " + std::to_string(count) +
-                                " values");
+    body.ofThisRow([&] {
+      throw std::invalid_argument("list " + property.name + " has " + shown(count) + " values");
+    });
   }
   values.clear();
   while (static_cast<double>(values.size()) < count) values.push_back(body.next(property.type));
@@ -219,8 +245,11 @@ void readRows(const Element& element, Body& body, const Use& use) {
   }
   std::vector<Values> row(element.properties.size());
   for (std::int64_t i = 0; i < element.count; ++i) {
-    for (std::size_t k = 0; k < row.size(); ++k) readValues(element.properties[k], body, row[k]);
-    use(i, row);
+    body.readRow(element.name, i, [&](Body& of_row) {
+      for (std::size_t k = 0; k < row.size(); ++k)
+        readValues(element.properties[k], of_row, row[k]);
+      of_row.ofThisRow([&] { use(i, row); });
+    });
   }
 }
 
@@ -260,7 +289,7 @@ core::TriangleMesh readPly(std::string_view bytes) {
       readRows(element, body, pass_over);
     }
   }
-  if (!body.isAtEnd()) throw std::invalid_argument("more follows than the header says");
+  body.requireEnd();
   return {std::move(draft.positions), std::move(draft.triangles)};
 }
 

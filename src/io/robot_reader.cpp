@@ -56,16 +56,17 @@ const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string
   refuse("there is none of this name; there are: " + known);
 }
 
-/// urdfdom leaves out all but the first.
-void requireOneShape(const TiXmlElement& collision) {
+/// urdfdom leaves out all but the first. `number` of the link's, from 1.
+void requireOneShape(const TiXmlElement& collision, std::size_t number) {
   std::size_t count = 0;
   const TiXmlElement* geometry = collision.FirstChildElement("geometry");
   for (; geometry != nullptr; geometry = geometry->NextSiblingElement("geometry")) {
     const TiXmlElement* shape = geometry->FirstChildElement();
     for (; shape != nullptr; shape = shape->NextSiblingElement()) ++count;
   }
-  if (count > 1)
-    refuse("a <collision> has " + std::to_string(count) + " shapes, but one is wanted");
+  if (count != 1)
+    refuse("its <collision> " + std::to_string(number) + " has " + std::to_string(count) +
+           " shapes, but one is wanted");
 }
 
 /// How many <collision> the text has: urdfdom leaves out those after one that it cannot read.
@@ -78,8 +79,7 @@ std::size_t collisionCount(const std::string& robot_description, const std::stri
     if (each->Attribute("name") != link) continue;
     const TiXmlElement* collision = each->FirstChildElement("collision");
     for (; collision != nullptr; collision = collision->NextSiblingElement("collision")) {
-      requireOneShape(*collision);
-      ++count;
+      requireOneShape(*collision, ++count);
     }
   }
   return count;

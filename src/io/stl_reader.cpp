@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,17 +33,30 @@ class Words {
     if (atEnd()) lines_.require(wanted);  // which throws
     return lines_.words()[next_++];
   }
-  bool nextIs(const char* word) { return !atEnd() && lines_.words()[next_] == word; }
+  bool nextIs(const char* word) { return !atEnd() && isSame(lines_.words()[next_], word); }
   void expect(const char* word) {
-    if (take(word) != word) lines_.refuse(std::string("the word ") + word + " is wanted");
+    if (!isSame(take(word), word))
+      lines_.refuse(std::string("the word ") + word + " is wanted", next_ - 1);
   }
   double number() {
     take("a number");
     return lines_.real(next_ - 1);
   }
   void skipLine() { next_ = lines_.words().size(); }
+  /// What `action` throws is said of the line.
+  template <class Action>
+  auto ofThisLine(const Action& action) const {
+    return lines_.ofThisLine(action);
+  }
 
  private:
+  /// Some write keywords in capitals.
+  static bool isSame(std::string_view word, std::string_view keyword) {
+    return std::equal(
+        word.begin(), word.end(), keyword.begin(), keyword.end(),
+        [](char one, char other) { return one == other || one == other - 'a' + 'A'; });
+  }
+
   TextLines lines_;
   std::size_t next_ = 0;
 };
@@ -57,7 +70,7 @@ void readFacet(Words& words, WeldedMesh& mesh) {
     words.expect("vertex");
     Eigen::Vector3d position;
     for (double& coordinate : position) coordinate = words.number();
-    corners.push_back(mesh.vertex(position));
+    corners.push_back(words.ofThisLine([&] { return mesh.vertex(position); }));
   }
   mesh.addTriangle(corners);
   for (const char* const word : {"endloop", "endfacet"}) words.expect(word);
@@ -81,14 +94,19 @@ constexpr std::size_t kHeader = 80;
 constexpr std::size_t kNormal = 12;
 constexpr std::size_t kFacet = 50;
 
-/// The facets, if there are as many as a binary file says: it may begin with "solid", too.
-std::optional<std::string_view> binaryFacets(std::string_view bytes) {
+constexpr std::size_t kCount = sizeof(std::uint32_t);  // behind the header
+
+/// [bytes] How long a binary file is, by how many triangles it counts; of one that is too short for
+/// a count, as if that were 0.
+std::size_t binarySize(std::string_view bytes) {
   std::uint32_t count = 0;
-  if (bytes.size() < kHeader + sizeof count) return std::nullopt;
-  std::memcpy(&count, bytes.data() + kHeader, sizeof count);
-  bytes.remove_prefix(kHeader + sizeof count);
-  if (bytes.size() != kFacet * count) return std::nullopt;
-  return bytes;
+  if (bytes.size() >= kHeader + kCount) std::memcpy(&count, bytes.data() + kHeader, kCount);
+  return kHeader + kCount + kFacet * count;
+}
+
+/// It begins with the word, as a binary one may, too, and then has no byte that no text has.
+bool isText(std::string_view bytes) {
+  return Words(bytes).nextIs("solid") && bytes.substr(0, kHeader + kCount).find('\0') == bytes.npos;
 }
 
 core::TriangleMesh readBinary(std::string_view facets) {
@@ -107,12 +125,13 @@ core::TriangleMesh readBinary(std::string_view facets) {
 }  // namespace
 
 core::TriangleMesh readStl(std::string_view bytes) {
-  if (const auto facets = binaryFacets(bytes)) return readBinary(*facets);
-  if (Words(bytes).nextIs("solid")) return readText(bytes);
+  const std::size_t size = binarySize(bytes);
+  if (bytes.size() == size) return readBinary(bytes.substr(kHeader + kCount));
+  if (isText(bytes)) return readText(bytes);
   throw std::invalid_argument(
       "it is neither text, which begins with the word solid, nor as long as a binary file is of "
-      "the "
-      "triangles that it counts");
+      "the triangles that it counts: it has " +
+      std::to_string(bytes.size()) + " bytes, but " + std::to_string(size) + " are wanted");
 }
 
 }  // namespace organ_collision::io

@@ -1,8 +1,10 @@
 #include "text_lines.h"
 
+#include <algorithm>
 #include <charconv>
-#include <stdexcept>
 #include <system_error>
+
+#include "shown.h"
 
 namespace organ_collision::io {
 namespace {
@@ -15,16 +17,6 @@ bool parse(std::string_view text, Number& number) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);  // whatever the locale
   return error == std::errc() && stop == end;
-}
-
-/// At most so much of a word goes into a message: a binary file is one long word.
-std::string quoted(std::string_view word) {
-  constexpr std::size_t kLongest = 40;
-  std::string text(word.substr(0, kLongest));
-  for (char& letter : text) {
-    if (letter < ' ' || letter > '~') letter = '?';
-  }
-  return "'" + text + (word.size() > kLongest ? "...'" : "'");
 }
 
 void split(std::string_view line, std::vector<std::string_view>& words) {
@@ -48,9 +40,10 @@ TextLines::TextLines(std::string_view text) : rest_(text) {
 
 bool TextLines::next() {
   while (!rest_.empty()) {
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
     split(rest_.substr(0, end), words_);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    rest_.remove_prefix(end);
+    rest_.remove_prefix(rest_.substr(0, 2) == "\r\n" ? 2 : rest_.empty() ? 0 : 1);
     ++number_;
     if (!words_.empty()) return true;
   }
@@ -77,6 +70,10 @@ std::int64_t TextLines::integer(std::size_t i, char end) const {
 
 void TextLines::refuse(const std::string& why) const {
   throw std::invalid_argument("line " + std::to_string(number_) + ": " + why);
+}
+
+void TextLines::refuse(const std::string& why, std::size_t i) const {
+  refuse(why + (i < words_.size() ? ", not " + quoted(words_[i]) : ""));
 }
 
 std::string_view TextLines::word(std::size_t i) const {

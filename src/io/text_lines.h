@@ -2,15 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace organ_collision::io {
 
-/// Walks over the lines of a text that have words. A word beginning with # starts a comment.
-/// A byte order mark before the first is passed over. The text must outlive it. Its errors are
-/// std::invalid_argument with the line's number.
+/// Walks over the lines of a text that have words; they end as on whatever system. A word beginning
+/// with # starts a comment. A byte order mark before the first is passed over. The text must
+/// outlive it. Its errors are std::invalid_argument with the line's number.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);
@@ -32,6 +33,17 @@ class TextLines {
   std::int64_t integer(std::size_t i, char end = ' ') const;
 
   [[noreturn]] void refuse(const std::string& why) const;
+  /// As that, telling what word `i` is instead, if there is one.
+  [[noreturn]] void refuse(const std::string& why, std::size_t i) const;
+  /// What `action`, which looks at no line, throws as std::invalid_argument is said of this one.
+  template <class Action>
+  auto ofThisLine(const Action& action) const {
+    try {
+      return action();
+    } catch (const std::invalid_argument& error) {
+      refuse(error.what());
+    }
+  }
 
  private:
   std::string_view word(std::size_t i) const;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -18,8 +19,6 @@ namespace {
   throw UsageError(option + " " + value + ": " + wanted + " is wanted");
 }
 
-constexpr int kDeepestPackage = 16;  // folders below one of ROS_PACKAGE_PATH: links may go round
-
 /// What a package.xml says between <name> and </name>.
 std::string nameIn(const std::filesystem::path& package_xml) {
   std::ifstream file(package_xml);
@@ -29,17 +28,20 @@ std::string nameIn(const std::filesystem::path& package_xml) {
   return std::regex_search(text, match, name) ? match[1].str() : "";
 }
 
+/// In a folder that was not `seen` yet: links may go round.
 std::optional<std::filesystem::path> findPackageIn(const std::filesystem::path& folder,
-                                                   const std::string& package, int depth) {
+                                                   const std::string& package,
+                                                   std::set<std::filesystem::path>& seen) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  if (depth == 0 || fs::exists(folder / "CATKIN_IGNORE", ignored)) return std::nullopt;
+  if (!seen.insert(fs::canonical(folder, ignored)).second) return std::nullopt;
+  if (fs::exists(folder / "CATKIN_IGNORE", ignored)) return std::nullopt;
   if (fs::exists(folder / "package.xml", ignored))
     return nameIn(folder / "package.xml") == package ? std::optional(folder) : std::nullopt;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const bool is_hidden = entry.path().filename().string().front() == '.';
     if (is_hidden || !entry.is_directory(ignored)) continue;
-    if (auto found = findPackageIn(entry.path(), package, depth - 1)) return found;
+    if (auto found = findPackageIn(entry.path(), package, seen)) return found;
   }
   return std::nullopt;
 }
@@ -57,7 +59,8 @@ Arguments::Arguments(const std::vector<std::string>& words, const std::vector<st
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       throw UsageError("there is no option " + name);
     }
-    if (equals == std::string::npos && std::next(word) == words.end()) {
+    const auto next = std::next(word);
+    if (equals == std::string::npos && (next == words.end() || next->substr(0, 2) == "--")) {
       throw UsageError(name + " has no value");
     }
     const std::string value = equals == std::string::npos ? *++word : word->substr(equals + 1);
@@ -102,8 +105,9 @@ std::size_t Arguments::whole(const std::string& name, std::size_t otherwise, std
 std::optional<std::filesystem::path> findPackage(const std::string& package) {
   const char* path = std::getenv("ROS_PACKAGE_PATH");
   std::istringstream folders(path == nullptr ? "" : path);
+  std::set<std::filesystem::path> seen;
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (auto found = findPackageIn(folder, package, kDeepestPackage)) return found;
+    if (auto found = findPackageIn(folder, package, seen)) return found;
   return std::nullopt;
 }
 

@@ -43,6 +43,33 @@ TEST_F(AssimpFormats, RefusesNegativeNumbersOfDaeThatCountSomething) {
               HasSubstr("line 1: a number after <vcount> is below 0"));
 }
 
+TEST_F(AssimpFormats, RefusesIndicesOfDaeThatAreNone) {
+  const std::string good = plainDae(kTwoTriangles);
+  for (const char* const word : {"x", "3.7", "0x1", "1e0", "+1"}) {
+    EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0 1 2 ", std::string("<p>0 1 ") + word + " ")),
+                AllOf(HasSubstr("line 1: '"), HasSubstr("' after <p> is no number, 0 or above")))
+        << word;
+  }
+  EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0", "<p a=\"b\">-1")), HasSubstr("is below 0"));
+  EXPECT_THAT(refusal("m.dae", replaced(good, "<p>0", "<p><![CDATA[-1]]>")),
+              HasSubstr("'<![CDATA[-1]]>' after <p> is no number"));
+  EXPECT_EQ(refusal("m.dae", replaced(good, "<triangles", "<extra><p/></extra><triangles")), "");
+}
+
+TEST_F(AssimpFormats, RefusesACountOfDaeForWhichTrianglesWouldBeLost) {
+  const std::string good = plainDae(kTwoTriangles);
+  const auto with_count = [&](const std::string& count) {
+    return refusal("m.dae", replaced(good, R"(<triangles count="2")",
+                                     R"(<triangles name="count" count=")" + count + R"(")"));
+  };
+  EXPECT_EQ(with_count("2"), "");
+  for (const char* const count : {"abc", "-1", "", " ", "2.0"})
+    EXPECT_THAT(with_count(count),
+                HasSubstr(std::string("line 1: '") + count + "' is no count of triangles"));
+  EXPECT_THAT(with_count("0"),
+              HasSubstr("line 1: the count of triangles is 0, but there are some"));
+}
+
 TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
   const auto with_unit = [&](const std::string& unit) {
     return refusal("m.dae", dae(kTwoTriangles, unit, ""));
@@ -54,6 +81,9 @@ TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
   const std::string mirrored = dae(kTwoTriangles, "-1", "");
   EXPECT_THAT(refusal("m.dae", replaced(mirrored, R"(meter="-1")", "meter\n=\t' -1'")),
               HasSubstr("line 2: a number after meter= is below 0"));
+  EXPECT_EQ(refusal("m.dae", replaced(dae(kTwoTriangles, "1", ""), R"(meter="1")",
+                                      R"(parameter="-1" meter="1")")),
+            "");
   EXPECT_NE(with_unit("nan"), "");
 }
 
@@ -152,7 +182,25 @@ TEST_F(AssimpFormats, RefusesGltfThatAsksForExtensions) {
   EXPECT_THAT(refusal("m.gltf",
                       replaced(good, R"("scene": 0,)",
                                R"("scene": 0, "extensionsRequired": ["KHR_mesh_quantization"],)")),
-              HasSubstr("m.gltf': it asks for extensions of glTF"));
+              EndsWith("m.gltf': it asks for extensions of glTF, of which none is known here: "
+                       "'KHR_mesh_quantization'"));
+  for (const char* const harmless : {"[]", R"(["KHR_materials_unlit", "KHR_texture_transform"])"})
+    EXPECT_EQ(refusal("m.gltf", replaced(good, R"("scene": 0,)",
+                                         std::string(R"("scene": 0, "extensionsRequired": )") +
+                                             harmless + ",")),
+              "");
+}
+
+TEST_F(AssimpFormats, RefusesAMeshThatMorphTargetsMove) {
+  const auto with_weight = [&](const std::string& weight) {
+    return refusal("m.gltf",
+                   replaced(gltf(kEmbedded), R"([{"attributes": {"POSITION": 0}}])",
+                            R"([{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}]}],
+                               "weights": [)" +
+                                weight + "]"));
+  };
+  EXPECT_EQ(with_weight("0"), "");
+  EXPECT_THAT(with_weight("1"), HasSubstr("morph targets move its mesh"));
 }
 
 TEST_F(AssimpFormats, RefusesWhatIsOfAnotherFormatThanTheExtensionSays) {
@@ -187,7 +235,9 @@ TEST_F(AssimpFormats, OpensNoOtherFilesThatAFileNames) {
   std::ofstream(folder_.path() / "other.bin", std::ios::binary)
       .write(reinterpret_cast<const char*>(std::array<float, 9>{0, 0, 0, 1, 0, 0, 0, 1, 0}.data()),
              36);
-  EXPECT_NE(refusal("m.gltf", gltf("other.bin")), "");
+  EXPECT_THAT(refusal("m.gltf", gltf("other.bin")),
+              AllOf(HasSubstr("m.gltf': it needs another file, '"),
+                    HasSubstr("other.bin', but only itself is opened")));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST_F(MeshFormats, RefusesABadVertexWithItsNumber) {
   EXPECT_EQ(with("1"), "");
   for (const char* const word :
        {"nan", "-nan", "inf", "-inf", "NaN", "Infinity", "1e39", "-1e39"}) {
-    EXPECT_THAT(with(word), AllOf(HasSubstr("m.obj'"), HasSubstr("vertex 2 is at (0, "),
+    EXPECT_THAT(with(word), AllOf(HasSubstr("m.obj'"), HasSubstr("line 3: vertex 2 is at (0, "),
                                   HasSubstr("32-bit float")))
         << word;
   }
@@ -78,7 +78,25 @@ TEST_F(MeshFormats, PassesOverAByteOrderMark) {
 
 TEST_F(MeshFormats, RefusesAnUnknownKeywordOfObjBecauseItMayBeABrokenVertex) {
   EXPECT_THAT(refusal("m.obj", "v 0 0 0\nvv 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-              HasSubstr("line 2: it begins with no keyword of obj"));
+              HasSubstr("line 2: it begins with 'vv', which is no keyword of obj"));
+}
+
+TEST_F(MeshFormats, RefusesALineOfObjThatGoesOnInTheNext) {
+  EXPECT_THAT(refusal("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n3\n"),
+              HasSubstr("line 4: it goes on in the next line"));
+}
+
+TEST_F(MeshFormats, ReadsLinesThatEndAsOnAnySystem) {
+  const std::string text = "v 0 0 0\nv 1 0 0 # nothing\nv 0 1 0\n# 7\n\nf 1 2 3\nf 1 2 x\n";
+  for (const char* const end : {"\n", "\r\n", "\r"}) {
+    std::string other;
+    for (const char letter : text)
+      other += letter == '\n' ? std::string(end) : std::string(1, letter);
+    EXPECT_THAT(refusal("m.obj", other), HasSubstr("line 7: 'x' is not an integer"));
+    EXPECT_EQ(refusal("m.obj", other.substr(0, other.find("f 1 2 x"))), "");
+  }
+  EXPECT_EQ(load("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # one\rf 2 1 3\n").triangleCount(),
+            2U);
 }
 
 TEST_F(MeshFormats, RefusesAMeshWithoutTriangles) {
@@ -117,14 +135,17 @@ TEST_F(MeshFormats, RefusesABadOff) {
   const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
   EXPECT_EQ(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 2\n"), "");
   EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 3\n"),
-              HasSubstr("face 0 names vertex 3 of 3"));
+              HasSubstr("line 6: face 0 names vertex 3 of 3, counted from 0"));
   EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 -1\n"),
               HasSubstr("face 0 names vertex -1 of 3"));
   EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 0.5\n"),
               HasSubstr("face 0 names vertex 0.5 of 3"));
   EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "4 0 1 2\n"),
               HasSubstr("line 6: it has 4 words, but 5 or more are wanted"));
-  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "2 0 1\n"), HasSubstr("2 corners"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "2 0 1\n"),
+              HasSubstr("line 6: the face that begins with triangle 0 has 2 corners"));
+  EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n0 0 0\n1 inf 0\n"),
+              HasSubstr("line 4: vertex 1 is at (1, inf, 0)"));
   EXPECT_THAT(refusal("m.off", "OFF\n3 2 0\n" + vertices + "3 0 1 2\n"),
               HasSubstr("the file ends here, but a face is wanted"));
   EXPECT_THAT(refusal("m.off", "OFF\n2 1 0\n" + vertices + "3 0 1 1\n"), HasSubstr("corners"));
@@ -132,7 +153,7 @@ TEST_F(MeshFormats, RefusesABadOff) {
               HasSubstr("more follows than the counts say"));
   EXPECT_THAT(refusal("m.off", "OFF\n-3 1 0\n"), HasSubstr("the count -3 is negative"));
   EXPECT_THAT(refusal("m.off", "OFF BINARY\n"), HasSubstr("'BINARY' is not an integer"));
-  EXPECT_THAT(refusal("m.off", "FOO\n"), HasSubstr("the keyword OFF is wanted"));
+  EXPECT_THAT(refusal("m.off", "FOO\n"), HasSubstr("line 1: the keyword OFF is wanted, not 'FOO'"));
 }
 
 // ---- ply
@@ -199,25 +220,34 @@ TEST_F(MeshFormats, RefusesABadPly) {
   const auto with = [&](const std::string& from, const std::string& to) {
     return refusal("m.ply", replaced(good, from, to));
   };
-  EXPECT_THAT(with("ply\n", "plx\n"), HasSubstr("line 1: the word ply is wanted"));
+  EXPECT_THAT(with("ply\n", "plx\n"), HasSubstr("line 1: the word ply is wanted, not 'plx'"));
   EXPECT_THAT(with("ascii", "asci"), HasSubstr("line 2: word 2 must be one of: ascii binary"));
   EXPECT_THAT(with("vertex 3", "vertex -3"), HasSubstr("line 3: the count is negative"));
-  EXPECT_THAT(with("vertex 3", "vertex 4000000000000"), HasSubstr("the file ends here"));
-  EXPECT_THAT(with("element vertex", "element vortex"), HasSubstr("must have one element vertex"));
-  EXPECT_THAT(with("float x", "flaot x"), HasSubstr("line 4: word 2 must be one of:"));
+  EXPECT_THAT(with("vertex 3", "vertex 4000000000000"),
+              HasSubstr("line 13: it has 4 words, but 3 are wanted"));
+  EXPECT_THAT(with("element vertex", "element vortex"),
+              HasSubstr("must have one element vertex; it has: vortex face"));
+  EXPECT_THAT(with("float x", "flaot x"),
+              AllOf(HasSubstr("line 4: word 2 must be one of:"), HasSubstr(", not 'flaot'")));
   EXPECT_THAT(with("float x", "float w"), HasSubstr("element vertex must have one number x"));
   EXPECT_THAT(with("float z", "float y"), HasSubstr("element vertex must have one number y"));
   EXPECT_THAT(with("vertex_indices", "corners"),
               HasSubstr("element face must have one list vertex_indices"));
-  EXPECT_THAT(with("end_header\n", ""), HasSubstr("line 9: element, property, comment or"));
-  EXPECT_THAT(with("1 0 0", "1 nan 0"), HasSubstr("vertex 1 is at (1, nan, 0)"));
+  EXPECT_THAT(with("end_header\n", ""),
+              HasSubstr("line 9: element, property, comment or end_header is wanted, not '0'"));
+  EXPECT_THAT(with("1 0 0", "1 nan 0"), HasSubstr("line 11: vertex 1 is at (1, nan, 0)"));
   EXPECT_THAT(with("1 0 0", "1 0 1e39"), HasSubstr("vertex 1 is at (1, 0, 1e+39)"));
-  EXPECT_THAT(with("3 0 1 2", "2 0 1"), HasSubstr("has 2 corners"));
-  EXPECT_THAT(with("3 0 1 2", "-3 0 1 2"), HasSubstr("list vertex_indices has -3"));
-  EXPECT_THAT(with("3 0 1 2", "inf 0 1 2"), HasSubstr("the file ends here, but a number"));
-  EXPECT_THAT(with("3 0 1 2", "3 0 1"), HasSubstr("the file ends here, but a number is wanted"));
-  EXPECT_THAT(with("3 0 1 2", "3 0 1 2\n3 0 1 2"), HasSubstr("more follows than the header says"));
-  EXPECT_THAT(with("3 0 1 2", "3 0 1 2 2"), HasSubstr("more follows than the header says"));
+  EXPECT_THAT(with("3 0 1 2", "2 0 1"),
+              HasSubstr("line 13: the face that begins with triangle 0 has 2"));
+  EXPECT_THAT(with("3 0 1 2", "-3 0 1 2"), HasSubstr("line 13: list vertex_indices has -3 values"));
+  EXPECT_THAT(with("3 0 1 2", "inf 0 1 2"), HasSubstr("line 13: it has 4 words, but 5 or more"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1"), HasSubstr("line 13: it has 3 words, but 4 or more"));
+  EXPECT_THAT(with("1 0 0\n0 1 0", "1 0\n0 0 1 0"),
+              HasSubstr("line 11: it has 2 words, but 3 or more"));
+  EXPECT_THAT(with("3 0 1 2\n", ""), HasSubstr("ends here, but a row of element face is wanted"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 2\n3 0 1 2"),
+              HasSubstr("line 14: more follows than the header says"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 2 2"), HasSubstr("line 13: it has 5 words, but 4 are wanted"));
   EXPECT_THAT(with("3 0 1 2", "3.5 0 1 2 0"), HasSubstr("list vertex_indices has 3.5"));
   EXPECT_THAT(with("element face", "element vertex 0\nelement face"),
               HasSubstr("must have one element vertex"));
@@ -233,6 +263,8 @@ TEST_F(MeshFormats, RefusesABinaryPlyThatEndsEarlyOrLate) {
   for (std::size_t missing = 1; missing < bytes.size(); missing += 7) {
     EXPECT_NE(refusal("m.ply", bytes.substr(0, bytes.size() - missing)), "") << missing;
   }
+  EXPECT_THAT(refusal("m.ply", bytes.substr(0, bytes.size() - 1)),
+              AllOf(HasSubstr("row "), HasSubstr(" of element face: the file ends there")));
   EXPECT_THAT(refusal("m.ply", bytes + "x"), HasSubstr("more follows than the header says"));
   EXPECT_EQ(refusal("m.ply", bytes + "\n"), "");
 }

@@ -94,7 +94,7 @@ TEST(RobotGeometry, DoesNotCountTheCollisionsOfOtherLinks) {
 }
 
 TEST(RobotGeometry, RefusesALinkOfWhichACollisionCannotBeRead) {
-  for (const char* const unreadable : {"", "<cone/>", "<mesh/>", R"(<box size="1"/>)"}) {
+  for (const char* const unreadable : {"<cone/>", "<mesh/>", R"(<box size="1"/>)"}) {
     EXPECT_THAT(
         refusal(robot(collision(kMesh) + collision(unreadable))),
         MatchesRegex(
@@ -113,7 +113,9 @@ TEST(RobotGeometry, RefusesSeveralShapesInOneCollision) {
   const std::string two = R"(<sphere radius="1"/><box size="1 1 1"/>)";
   for (const std::string& shapes : {two, R"(<sphere radius="1"/></geometry><geometry>)" + kMesh})
     EXPECT_THAT(refusal(robot(collision(shapes))),
-                HasSubstr("a <collision> has 2 shapes, but one is wanted"));
+                HasSubstr("its <collision> 1 has 2 shapes, but one is wanted"));
+  EXPECT_THAT(refusal(robot(collision(""))),
+              HasSubstr("its <collision> 1 has 0 shapes, but one is wanted"));
 }
 
 TEST(RobotGeometry, ReadsTheRobotBehindAnotherElement) {

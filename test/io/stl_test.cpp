@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <limits>
 #include <string>
 
@@ -33,11 +34,14 @@ TEST_F(Stl, RefusesAsciiStlThatIsNotWordForWordAsTheFormatWantsIt) {
   EXPECT_EQ(with("solid organ", "\tsolid facet of an organ"), "");
   EXPECT_EQ(with("normal 0 0 0\nouter", "normal nan 1 0 outer"), "");
   EXPECT_EQ(refusal("m.stl", good + "\n" + good), "");
-  EXPECT_THAT(with("vertex 0 1 0\n", "vertex 0 1 0\nvertex 7 7 0\n"),
-              AllOf(HasSubstr("m.stl'"), HasSubstr("line 7: the word endloop is wanted")));
+  EXPECT_THAT(
+      with("vertex 0 1 0\n", "vertex 0 1 0\nvertex 7 7 0\n"),
+      AllOf(HasSubstr("m.stl'"), HasSubstr("line 7: the word endloop is wanted, not 'vertex'")));
   EXPECT_THAT(with("vertex 0 1 0\n", ""), HasSubstr("line 6: the word vertex is wanted"));
   EXPECT_THAT(with("vertex 0 1 0", "vertx 0 1 0"), HasSubstr("line 6: the word vertex is wanted"));
   EXPECT_THAT(with("vertex 0 1 0", "vertex 0 1"), HasSubstr("line 7: 'endloop' is not a number"));
+  EXPECT_THAT(with("vertex 0 1 0", "vertex 0 inf 0"),
+              HasSubstr("line 6: vertex 2 is at (0, inf, 0)"));
   EXPECT_THAT(with("vertex 0 1 0", "vertex 0 1,5 0"), HasSubstr("line 6: '1,5' is not a number"));
   EXPECT_THAT(with("endfacet\n", "endfacet\nhello world\n"),
               HasSubstr("line 9: the word endsolid is wanted"));
@@ -45,6 +49,19 @@ TEST_F(Stl, RefusesAsciiStlThatIsNotWordForWordAsTheFormatWantsIt) {
   EXPECT_THAT(with("endsolid organ\n", ""), HasSubstr("ends here, but endsolid is wanted"));
   EXPECT_THAT(with("endfacet\n", "endfacet\nendsolid\n"),
               HasSubstr("line 10: the word solid is wanted"));
+}
+
+TEST_F(Stl, ReadsKeywordsInCapitals) {
+  std::string text = asciiStl(kTwoTriangles);
+  for (char& letter : text) letter = static_cast<char>(std::toupper(letter));
+  EXPECT_EQ(load("m.stl", text).triangleCount(), 2U);
+}
+
+TEST_F(Stl, TellsHowLongABinaryFileThatBeginsAsAsciiDoesShouldBe) {
+  std::string bytes = binaryStl(kTwoTriangles).replace(0, 80, "solid" + std::string(75, ' '));
+  EXPECT_EQ(load("m.stl", bytes).triangleCount(), 2U);
+  bytes.pop_back();
+  EXPECT_THAT(refusal("m.stl", bytes), HasSubstr("it has 183 bytes, but 184 are wanted"));
 }
 
 TEST_F(Stl, ReadsBinaryStlThatBeginsAsAsciiDoes) {

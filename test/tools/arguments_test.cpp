@@ -56,6 +56,26 @@ TEST(Arguments, RefusesNumbersThatAreNotWhole) {
   EXPECT_EQ(parsed({"--seed", "0"}).whole("--seed", 1), 0U);
 }
 
+TEST(Arguments, DoNotTakeAnOptionForAValue) {
+  EXPECT_THROW(parsed({"--scale", "--seed=7"}), UsageError);
+  EXPECT_EQ(parsed({"--scale=--seed"}).option("--scale"), "--seed");
+}
+
+TEST(FindPackage, ReturnsWhereLinksGoRound) {
+  const io::TemporaryFolder folder;
+  for (const char* const name : {"a", "b", "c", "d", "e", "f", "g", "h"}) {
+    folder.write(std::string(name) + "/readme", "");
+    std::filesystem::create_directory_symlink("..", folder.path() / name / "up");
+  }
+  folder.write("h/liver/package.xml", "<package><name>liver</name></package>");
+  ::setenv("ROS_PACKAGE_PATH", folder.path().c_str(), 1);
+  EXPECT_EQ(findPackage("stomach"), std::nullopt);
+  const std::optional<std::filesystem::path> liver = findPackage("liver");
+  ASSERT_TRUE(liver);
+  EXPECT_EQ(std::filesystem::canonical(*liver), folder.path() / "h/liver");
+  ::unsetenv("ROS_PACKAGE_PATH");
+}
+
 TEST(FindPackage, LooksInAndBelowTheFoldersOfThePackagePath) {
   const io::TemporaryFolder folder;
   const auto add_package = [&](const std::string& place, const std::string& name) {
