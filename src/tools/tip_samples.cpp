@@ -71,8 +71,9 @@ bool isHeading(const std::string& line) {
 Eigen::Vector3d tipOf(const std::string& line, std::size_t line_number) {
   const std::vector<std::string> coordinates = fields(line);
   if (coordinates.size() != 3) {
-    throw std::invalid_argument(std::to_string(coordinates.size()) +
-                                " fields, but x,y,z are wanted");
+    throw std::invalid_argument("'" + line + "' has " + std::to_string(coordinates.size()) +
+                                (coordinates.size() == 1 ? " field" : " fields") +
+                                ", but x,y,z are wanted");
   }
   Eigen::Vector3d tip;
   for (std::size_t i = 0; i < 3; ++i) {

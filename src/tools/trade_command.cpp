@@ -93,11 +93,11 @@ std::vector<BandTrade> measureAll(const core::CollisionMesh& organ, const std::v
 }
 
 void run(const Options& options, std::ostream& out, std::ostream& errors) {
-  requireWritableFolder(options.output);
   core::Points path;
   if (options.tips) path = readTips(*options.tips);
   const std::filesystem::path file = io::resolveMesh(options.mesh, findPackage, std::nullopt);
   core::TriangleMesh mesh = io::loadMesh(file, options.scale);
+  requireWritableFolder(options.output);
   std::optional<core::CollisionMesh> organ;
   const double build = secondsOf([&] { organ.emplace(std::move(mesh)); });
   for (const std::string& warning : core::warnings(organ->health())) {
