@@ -15,17 +15,15 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr double kMarkerPeriod = 1.0 / 30;            // [s]
-constexpr double kDiagnosticPeriod = 1.0;             // [s]
-constexpr double kMeshInfoPeriod = 0.1;               // [s] at which refused updates are told
-constexpr double kComplaintPeriod = 0.1;              // [s]
-constexpr double kPatience = 1.0;                     // [s] before the first warning about a pair
-constexpr double kWarningPeriod = LogLimit::kPeriod;  // between warnings about one pair
-constexpr double kMasterPeriod = 1.0;      // [s] between two questions whether it knows this node
-constexpr unsigned kSpinnerThreads = 4;    // for questions, and as many for ~update_mesh
-constexpr unsigned kTfQueue = 10'000;      // messages that wait, each for its cycle
-constexpr unsigned kContactsQueue = 1000;  // cycles that may come before the socket takes them
-constexpr unsigned kProximitiesQueue = 10;
+constexpr double kMarkerPeriod = 1.0 / 30;  // [s]
+constexpr double kDiagnosticPeriod = 1.0;   // [s]
+constexpr double kMeshInfoPeriod = 0.1;     // [s] at which refused updates are told
+constexpr double kComplaintPeriod = 0.1;    // [s]
+constexpr double kMasterPeriod = 1.0;       // [s] between two questions whether it knows this node
+constexpr unsigned kSpinnerThreads = 4;     // for questions, and as many for ~update_mesh
+constexpr unsigned kTimerThreads = 2;       // of which a console that blocks may keep one
+constexpr unsigned kTfQueue = 10'000;       // messages that wait, each for its cycle
+constexpr unsigned kCyclesQueue = 1000;     // that may come before the socket takes them
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
@@ -58,6 +56,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       diagnostics_(node, private_node, organs_, troubles_, [this] { return lastCycle(); }),
       mesh_updates_(organs_, troubles_.update_refusals, [this] { mesh_info_is_old_ = true; }),
       services_(organs_, buffer_, [this] { publishMeshInfo(); }),
+      timer_spinner_(kTimerThreads, &timer_queue_),
       change_spinner_(kSpinnerThreads, &change_queue_),
       spinner_(kSpinnerThreads) {
   hearTf("/tf", false);
@@ -67,10 +66,9 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   reconfigure_.setCallback(
       [this](OrganCollisionConfig& wanted, std::uint32_t) { reconfigure(wanted); });
 
-  contacts_publisher_ = private_node.advertise<ContactArray>("contacts", kContactsQueue);
+  contacts_publisher_ = private_node.advertise<ContactArray>("contacts", kCyclesQueue);
   if (!scene_.like_pairs.empty())
-    proximities_publisher_ =
-        private_node.advertise<ProximityArray>("proximities", kProximitiesQueue);
+    proximities_publisher_ = private_node.advertise<ProximityArray>("proximities", kCyclesQueue);
   markers_.advertise(private_node);
   mesh_info_publisher_ = private_node.advertise<MeshInfoArray>("mesh_info", 1, true);
   publishMeshInfo();
@@ -79,17 +77,20 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   mesh_updates_.subscribe(private_node);
   ros::NodeHandle changes = onQueue(private_node, change_queue_);
   services_.advertise(private_node, changes);
+  const ros::NodeHandle timer_node = onQueue(private_node, timer_queue_);
   const auto every = [&](double period, const std::function<void()>& action) {
-    timers_.push_back(private_node.createSteadyTimer(
+    timers_.push_back(timer_node.createSteadyTimer(
         ros::WallDuration(period), [action](const ros::SteadyTimerEvent&) { action(); }));
   };
   every(kMarkerPeriod, [this] { markers_.publish(*lastCycle()); });
   every(kDiagnosticPeriod, [this] { diagnostics_.publish(); });
+  every(kComplaintPeriod, [this] { complaint_log_.write(lastCycle()->complaints); });
   every(kMeshInfoPeriod, [this] {
     if (mesh_info_is_old_.exchange(false)) publishMeshInfo();
   });
   every(kMasterPeriod, [this] { master_watch_.check(); });
   master_watch_.check();
+  timer_spinner_.start();
   change_spinner_.start();
   spinner_.start();
   for (const std::string& sentence : report(scene_, instruments_, organs_))
@@ -100,6 +101,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
 }
 
 CollisionNode::~CollisionNode() {
+  timer_spinner_.stop();
   change_spinner_.stop();
   spinner_.stop();
   stopping_ = true;
@@ -139,7 +141,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
 }
 
 void CollisionNode::complainOfTf(std::string complaint) {
-  if (tf_log_.allows(complaint)) tf_warnings_.push_back(complaint);
+  complaint_log_.note(complaint);
   troubles_.tf_complaints.note(std::move(complaint));
 }
 
@@ -214,25 +216,6 @@ void CollisionNode::collectComplaints() {
   complaints_ = cycle_.complaints(now);
   for (Complaint& complaint : proximity_cycle_.complaints(now))
     complaints_.push_back(std::move(complaint));
-  warn(complaints_);
-  // Here alone: who blocks the console blocks run(), not the thread at the sockets.
-  for (const std::string& warning : std::exchange(tf_warnings_, {}))
-    ROS_WARN("%s", warning.c_str());
-}
-
-void CollisionNode::warn(const std::vector<Complaint>& complaints) {
-  const ros::SteadyTime now = ros::SteadyTime::now();
-  std::map<std::string, ros::SteadyTime> warn_at;
-  for (const Complaint& complaint : complaints) {
-    const std::string pair = complaint.first + " to " + complaint.second;
-    const auto known = warn_at_.find(pair);
-    ros::SteadyTime& due = warn_at[pair] =
-        known == warn_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
-    if (now < due) continue;
-    due = now + ros::WallDuration(kWarningPeriod);
-    ROS_WARN("%s: %s", pair.c_str(), complaint.reason.c_str());
-  }
-  warn_at_ = std::move(warn_at);  // who has nothing to complain of any more starts anew
 }
 
 std::shared_ptr<const Cycle> CollisionNode::lastCycle() const {

@@ -8,18 +8,17 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "node/complaint_log.h"
 #include "node/contact_cycle.h"
 #include "node/cycle.h"
 #include "node/cycle_pace.h"
 #include "node/diagnostics.h"
-#include "node/log_limit.h"
 #include "node/marker_publisher.h"
 #include "node/master_watch.h"
 #include "node/mesh_update_intake.h"
@@ -34,9 +33,9 @@ namespace organ_collision::node {
 
 /// The ROS node. Its threads: run() hears tf and publishes contacts, or lets roscpp's thread at the
 /// sockets do so while it waits; some answer questions, others ~update_mesh, so that no question
-/// waits for a build; one takes in streamed updates, which no service keeps waiting; one refits the
-/// organs to these and swaps in what was rebuilt in the background.
-/// They meet in the organs' snapshots only.
+/// waits for a build; two tell markers, diagnostics and the log, whatever is asked; one takes in
+/// streamed updates, which no service keeps waiting; one refits the organs to these and swaps in
+/// what was rebuilt in the background. They meet in the organs' snapshots only.
 class CollisionNode {
  public:
   /// Reads the scene and loads the organs. Throws std::exception naming what is wrong.
@@ -56,7 +55,6 @@ class CollisionNode {
   void answer(ros::SteadyTime now);
   void publishCycle();
   void collectComplaints();
-  void warn(const std::vector<Complaint>& complaints);
   void reconfigure(OrganCollisionConfig& wanted);
   std::shared_ptr<const Cycle> lastCycle() const;
   core::Accuracy accuracy() const;
@@ -68,21 +66,20 @@ class CollisionNode {
   const Organs organs_;
   const Instruments instruments_;
 
-  // From here to warn_at_: of run(), and while it waits of the thread that brings what tf says.
+  // From here to complaints_due_: of run(), and while it waits of the thread that brings what tf
+  // says.
   PromptQueue tf_queue_;
   ros::NodeHandle tf_node_;
   tf2::BufferCore buffer_;
   TransformIntake intake_;
-  LogLimit tf_log_;
-  std::vector<std::string> tf_warnings_;  // to be logged
   CyclePace pace_;
   ContactCycle cycle_;
   ProximityCycle proximity_cycle_;
   std::vector<Complaint> complaints_;
   ros::SteadyTime complaints_due_;
-  std::map<std::string, ros::SteadyTime> warn_at_;  // pairs with a complaint
 
   Troubles troubles_;
+  ComplaintLog complaint_log_;
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;
@@ -103,11 +100,12 @@ class CollisionNode {
   MeshUpdateIntake mesh_updates_;
   ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;
-  MasterWatch master_watch_;  // of a timer alone
+  MasterWatch master_watch_;        // of a timer alone
+  ros::CallbackQueue timer_queue_;  // worked off by timer_spinner_ alone
   std::vector<ros::SteadyTimer> timers_;
   std::vector<ros::Subscriber> tf_subscribers_;  // none answers any more when these are gone
   // Last: their threads end before what they use.
-  ros::AsyncSpinner change_spinner_, spinner_;
+  ros::AsyncSpinner timer_spinner_, change_spinner_, spinner_;
 };
 
 }  // namespace organ_collision::node

@@ -29,11 +29,12 @@ void MarkerPublisher::publish(const Cycle& cycle) {
   if (publisher_.getNumSubscribers() == 0) return;
   const ros::SteadyTime now = ros::SteadyTime::now();
   const bool draws_all = (now - all_drawn_).toSec() > kAllPeriod;
-  if (draws_all) all_drawn_ = now;
-  visualization_msgs::MarkerArray markers = contactMarkers(cycle.contacts, scene_, organs_);
+  visualization_msgs::MarkerArray markers;
   const auto add = [&markers](visualization_msgs::MarkerArray more) {
     std::move(more.markers.begin(), more.markers.end(), std::back_inserter(markers.markers));
   };
+  if (all_drawn_.isZero()) add(noMarkers(scene_.frame));
+  add(contactMarkers(cycle.contacts, scene_, organs_));
   add(proximityMarkers(cycle.proximities));
   for (std::size_t i = 0; i < organs_.size(); ++i) {
     const std::uint32_t version = organs_[i]->snapshot()->version;
@@ -42,6 +43,7 @@ void MarkerPublisher::publish(const Cycle& cycle) {
   }
   for (std::size_t i = 0; draws_all && i < instruments_.size(); ++i)
     add(instrumentMarkers(instruments_, i));
+  if (draws_all) all_drawn_ = now;
   // Written down here: Publisher would do so while it holds the lock that contacts want.
   ros::SerializedMessage written = ros::serialization::serializeMessage(markers);
   ros::SerializedMessage message;

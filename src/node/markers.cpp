@@ -236,6 +236,13 @@ void letGoAway(visualization_msgs::MarkerArray& array) {
 
 }  // namespace
 
+visualization_msgs::MarkerArray noMarkers(const std::string& frame) {
+  visualization_msgs::MarkerArray array;
+  array.markers.push_back(marker(frame, "all", 0, Marker::CUBE, colour(1.0, 1.0, 1.0)));
+  array.markers.back().action = Marker::DELETEALL;
+  return array;
+}
+
 visualization_msgs::MarkerArray organMarkers(const Organ& organ) {
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
   visualization_msgs::MarkerArray array;

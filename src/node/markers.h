@@ -5,12 +5,16 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <cstddef>
+#include <string>
 
 #include "node/instrument.h"
 #include "node/organ.h"
 #include "organ_collision/io/scene.h"
 
 namespace organ_collision::node {
+
+/// Takes away whatever was shown before, by another scene's node most likely.
+visualization_msgs::MarkerArray noMarkers(const std::string& frame);
 
 /// The surface of an organ and its edges, in its own frame.
 visualization_msgs::MarkerArray organMarkers(const Organ& organ);

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """The node when it is killed, when it is told to end, and when its master goes and comes back."""
 import contextlib
+import fcntl
+import mmap
 import os
 import signal
 import socket
@@ -21,6 +23,7 @@ from rostest_support import PATIENCE, run, wait_until
 
 LONGEST_END = 1.0  # [s] from SIGINT to the end of the process
 LONGEST_START = 2.0  # [s] from the start of a process to its first answer
+LONGEST_SILENCE = 2.5  # [s] before a tip that is missing is complained of
 LONGEST_ABSENCE = 3.0  # [s] from a master's return until it knows the node: asked once a second
 NODE = roslib.packages.find_node("organ_collision", "organ_collision_node")[0]
 SCENE = {"organs": [{"name": "liver", "frame": "liver", "mesh": "package://organ_collision/meshes/liver.obj"}],
@@ -182,6 +185,29 @@ class Faults(unittest.TestCase):
         self.assertLess(time.monotonic() - start, LONGEST_END)
         self.assertEqual(process.returncode, 0, output)
         self.assertNotIn("FATAL", output)
+
+    def test_a_console_that_blocks_keeps_no_contact_waiting(self):
+        """As after Ctrl-S, or where nobody reads its pipe."""
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        self.addCleanup(os.close, writer)
+        fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, mmap.PAGESIZE)
+        filler = os.open(f"/proc/self/fd/{writer}", os.O_WRONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, filler)
+        with self.master.up():
+            self.master.set_scene(SCENE)
+            with running(NODE, env=self.master.environment, stdout=writer, stderr=writer):
+                wait_until(self.master.is_up, "the node")
+                with contextlib.suppress(BlockingIOError):
+                    while True:
+                        os.write(filler, b"x")
+                time.sleep(LONGEST_SILENCE)
+                for topic in ("contacts/header", "mesh_info/meshes"):
+                    self.master.next(topic)
+                self.master.call("find_nearest_triangle", PROBE)
+                said = os.read(reader, 2 * mmap.PAGESIZE)
+                wait_until(lambda: b"left to liver" in os.read(reader, mmap.PAGESIZE), "the warning that waited")
+        self.assertNotIn(b"left to liver", said)
 
     # ---- the end
 

@@ -116,6 +116,14 @@ class SettingsAndDisplays(unittest.TestCase):
         array = Inbox("organ_collision/markers", MarkerArray).wait_for(frames)
         self.assertTrue({("shape_of_left", "left_tip"), ("shape_of_right", "right_tip")} <= frames(array))
 
+    def test_the_first_markers_take_away_what_a_former_node_has_shown(self):
+        markers = Inbox("greedy/markers", MarkerArray)
+        first, second = ([each.action for each in array.markers]
+                         for array in (markers.wait_for(), markers.wait_for(lambda array: array is not markers.all()[0])))
+        self.assertEqual(first[0], Marker.DELETEALL)
+        self.assertEqual(set(first[1:]), {Marker.ADD})
+        self.assertNotIn(Marker.DELETEALL, second)
+
     def shows_the_surface(self, array):
         return any(marker.type == Marker.TRIANGLE_LIST and len(marker.points) == 3 * len(self.surface.triangles)
                    for marker in array.markers)
