@@ -70,6 +70,12 @@ TEST_F(AssimpFormats, RefusesACountOfDaeForWhichTrianglesWouldBeLost) {
               HasSubstr("line 1: the count of triangles is 0, but there are some"));
 }
 
+TEST_F(AssimpFormats, TellsHowMuchMemoryThereIsForWhatAsksForMore) {
+  const std::string good = plainDae(kTwoTriangles);
+  EXPECT_THAT(refusal("m.dae", replaced(good, R"(count="12")", R"(count="100000000000")")),
+              AllOf(HasSubstr("m.dae': needs more than "), EndsWith(" bytes of memory")));
+}
+
 TEST_F(AssimpFormats, RefusesAUnitOfDaeThatIsNotAboveZero) {
   const auto with_unit = [&](const std::string& unit) {
     return refusal("m.dae", dae(kTwoTriangles, unit, ""));
