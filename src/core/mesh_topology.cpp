@@ -45,32 +45,6 @@ std::vector<bool> usedVertices(const TriangleMesh& mesh) {
   return used;
 }
 
-/// Sets of numbers. Each leads to a lower one of its set, or is the lowest: R. Tarjan, "Efficiency
-/// of a good but not linear set union algorithm" (1975), with the way halved.
-class DisjointSets {
- public:
-  using Number = std::uint32_t;
-
-  explicit DisjointSets(std::size_t size = 0) : leads_to_(size) {
-    std::iota(leads_to_.begin(), leads_to_.end(), Number{0});
-  }
-
-  Number lowest(Number number) {
-    while (leads_to_[number] != number) number = leads_to_[number] = leads_to_[leads_to_[number]];
-    return number;
-  }
-  void join(Number a, Number b, Number c) {
-    a = lowest(a);
-    b = lowest(b);
-    c = lowest(c);
-    if (a != b || a != c) leads_to_[a] = leads_to_[b] = leads_to_[c] = std::min({a, b, c});
-  }
-  void join(Number a, Number b) { join(a, b, b); }
-
- private:
-  std::vector<Number> leads_to_;
-};
-
 }  // namespace
 
 MeshTopology::MeshTopology(const TriangleMesh& mesh) {
@@ -300,6 +274,32 @@ class MeshTopology::Joiner {
   Weld lowest(TriangleId triangle) { return sets_.lowest(setOf(triangle)); }
 
  private:
+  /// Sets of numbers. Each leads to a lower one of its set, or is the lowest: R. Tarjan,
+  /// "Efficiency of a good but not linear set union algorithm" (1975), with the way halved.
+  class DisjointSets {
+   public:
+    using Number = std::uint32_t;
+
+    explicit DisjointSets(std::size_t size = 0) : leads_to_(size) {
+      std::iota(leads_to_.begin(), leads_to_.end(), Number{0});
+    }
+
+    Number lowest(Number number) {
+      while (leads_to_[number] != number) number = leads_to_[number] = leads_to_[leads_to_[number]];
+      return number;
+    }
+    void join(Number a, Number b, Number c) {
+      a = lowest(a);
+      b = lowest(b);
+      c = lowest(c);
+      if (a != b || a != c) leads_to_[a] = leads_to_[b] = leads_to_[c] = std::min({a, b, c});
+    }
+    void join(Number a, Number b) { join(a, b, b); }
+
+   private:
+    std::vector<Number> leads_to_;
+  };
+
   Weld weld(VertexId corner) const { return topology_.weld(corner); }
   bool isFan(VertexId corner) const { return closed_fans_[weld(corner)] != 0; }
   Weld setOf(TriangleId triangle) const {

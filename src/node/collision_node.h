@@ -91,6 +91,7 @@ class CollisionNode {
   std::atomic<bool> mesh_info_is_old_{false};
   std::mutex mesh_info_mutex_;  // so that the latched message is the newest
   MarkerPublisher markers_;     // of a timer alone
+  MasterWatch master_watch_;    // of a timer alone
   Diagnostics diagnostics_;     // of a timer alone
 
   const std::shared_ptr<Signal> organs_wait_ = std::make_shared<Signal>();  // for updater_
@@ -100,7 +101,6 @@ class CollisionNode {
   MeshUpdateIntake mesh_updates_;
   ros::CallbackQueue change_queue_;  // worked off by change_spinner_ alone
   Services services_;
-  MasterWatch master_watch_;        // of a timer alone
   ros::CallbackQueue timer_queue_;  // worked off by timer_spinner_ alone
   std::vector<ros::SteadyTimer> timers_;
   std::vector<ros::Subscriber> tf_subscribers_;  // none answers any more when these are gone

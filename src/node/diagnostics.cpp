@@ -45,10 +45,11 @@ DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTime& now) {
 }
 
 Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                         const Organs& organs, Troubles& troubles,
+                         const Organs& organs, Troubles& troubles, const MasterWatch& master,
                          std::function<std::shared_ptr<const Cycle>()> last_cycle)
     : organs_(organs),
       troubles_(troubles),
+      master_(master),
       last_cycle_(std::move(last_cycle)),
       updater_(node, private_node, ros::this_node::getName()) {
   for (const auto& organ : organs)
@@ -68,6 +69,7 @@ void Diagnostics::diagnose(Status& status) {
                         complaint.first + " to " + complaint.second + ": " + complaint.reason);
   }
   diagnoseClock(status);
+  diagnoseMaster(status);
   diagnoseHaste(status);
   diagnoseNews("complaints about tf", troubles_.tf_complaints, status);
   diagnoseNews("mesh updates refused", troubles_.update_refusals, status);
@@ -79,6 +81,14 @@ void Diagnostics::diagnose(Status& status) {
 void Diagnostics::diagnoseClock(Status& status) {
   if (!ros::Time::isSimTime() || !ros::Time::now().isZero()) return;
   const std::string sentence = "use_sim_time is set, but /clock stands at 0";
+  status.mergeSummary(DiagnosticStatus::WARN, sentence);
+  if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+}
+
+/// The log, too: who asks the master for diagnostics learns nothing then.
+void Diagnostics::diagnoseMaster(Status& status) {
+  const std::string sentence = master_.complaint();
+  if (sentence.empty()) return;
   status.mergeSummary(DiagnosticStatus::WARN, sentence);
   if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
 }

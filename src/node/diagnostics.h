@@ -14,6 +14,7 @@
 #include "node/cycle.h"
 #include "node/incidents.h"
 #include "node/log_limit.h"
+#include "node/master_watch.h"
 #include "node/organ.h"
 
 namespace organ_collision::node {
@@ -31,9 +32,9 @@ diagnostic_msgs::DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTim
 /// Tells /diagnostics what is wrong, and the log what is told nowhere else. For one thread.
 class Diagnostics {
  public:
-  /// Organs and troubles must outlive this.
+  /// Organs, troubles and master must outlive this.
   Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-              const Organs& organs, Troubles& troubles,
+              const Organs& organs, Troubles& troubles, const MasterWatch& master,
               std::function<std::shared_ptr<const Cycle>()> last_cycle);
 
   void publish();
@@ -43,12 +44,14 @@ class Diagnostics {
 
   void diagnose(Status& status);
   void diagnoseClock(Status& status);
+  void diagnoseMaster(Status& status);
   void diagnoseHaste(Status& status);
   void diagnoseOrgan(std::size_t number, Status& status);
   void warnOfHealth(std::size_t organ, const std::vector<std::string>& sentences);
 
   const Organs& organs_;
   Troubles& troubles_;
+  const MasterWatch& master_;
   const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
   std::uint64_t times_behind_told_ = 0;
   std::vector<std::vector<std::string>> health_told_;  // of the organs, without numbers

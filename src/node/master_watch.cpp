@@ -113,6 +113,7 @@ void serve(const std::string& service) {
 }  // namespace
 
 void MasterWatch::check() {
+  asks_since_ = ros::SteadyTime::now().toSec();
   try {
     registerMissing();
   } catch (const XmlRpc::XmlRpcException& error) {  // no std::exception, and no reason to end
@@ -120,13 +121,21 @@ void MasterWatch::check() {
         "whether the master knows this node is not known: " + error.getMessage();
     if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
   }
+  asks_since_ = 0.0;
+}
+
+std::string MasterWatch::complaint() const {
+  constexpr double kPatience = 3.0;  // [s]
+  const double since = asks_since_;
+  const double waits = since > 0.0 ? ros::SteadyTime::now().toSec() - since : 0.0;
+  if (!is_away_ && waits < kPatience) return "";
+  const std::string how_long = is_away_ ? "" : " for " + std::to_string(waits) + " s";
+  return "the master does not answer" + how_long +
+         ": who is connected stays so, nobody new finds this node";
 }
 
 void MasterWatch::registerMissing() {
   std::optional<XmlRpcValue> state = askMaster("getSystemState");
-  if (!state && !is_away_) {
-    ROS_WARN("the master does not answer: who is connected stays so, nobody new finds this node");
-  }
   is_away_ = !state;
   if (!state) return;
 

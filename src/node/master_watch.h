@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <set>
 #include <string>
 
@@ -12,15 +13,20 @@ namespace organ_collision::node {
 class MasterWatch {
  public:
   /// Asks the master what it knows of this node, and registers anew what it has forgotten. Never
-  /// waits for a master that is away. To be called now and then, the first time when all services
-  /// are advertised. Cost: one call of the master. The log tells what was found.
+  /// waits for a master that is away, only for one that hangs. To be called now and then, the first
+  /// time when all services are advertised. Cost: one call of the master. The log tells what was
+  /// found.
   void check();
+
+  /// What is wrong with the master; empty if it answers. For any thread.
+  std::string complaint() const;
 
  private:
   void registerMissing();
 
   std::set<std::string> services_;  // that some master knew of; roscpp does not tell
-  bool is_away_ = false;
+  std::atomic<bool> is_away_{false};
+  std::atomic<double> asks_since_{0.0};  // [s] by the steady clock; 0: it does not
   LogLimit log_;
 };
 

@@ -62,9 +62,9 @@ class Master:
 
     @contextlib.contextmanager
     def up(self):
-        with running("rosmaster", "--core", "-p", str(self.port), env=self.environment):
+        with running("rosmaster", "--core", "-p", str(self.port), env=self.environment) as process:
             wait_until(self.answers, "the master")
-            yield
+            yield process
 
     def answers(self):
         with contextlib.suppress(OSError):
@@ -208,6 +208,18 @@ class Faults(unittest.TestCase):
                 said = os.read(reader, 2 * mmap.PAGESIZE)
                 wait_until(lambda: b"left to liver" in os.read(reader, mmap.PAGESIZE), "the warning that waited")
         self.assertNotIn(b"left to liver", said)
+
+    def test_a_master_that_hangs_is_told_and_keeps_no_contact_waiting(self):
+        echo = ("rostopic", "echo", "/diagnostics/status[0]/message")
+        with self.master.up() as master:
+            self.master.set_scene(SCENE)
+            with self.master.node(), running(*echo, env=self.master.environment, stdout=subprocess.PIPE,
+                                             text=True) as diagnostics:
+                next(line for line in diagnostics.stdout if "contacts flow" in line or "left to liver" in line)
+                os.killpg(master.pid, signal.SIGSTOP)
+                told = next(line for line in diagnostics.stdout if "the master does not answer for" in line)
+                os.killpg(master.pid, signal.SIGCONT)
+        self.assertNotIn("no contacts", told)
 
     # ---- the end
 
