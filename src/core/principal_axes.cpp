@@ -9,7 +9,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// So many points are asked at most.
-constexpr std::size_t kMost = 256;
+constexpr std::size_t kMostPoints = 256;
 
 bool isOrthonormal(const Matrix3d& axes) {
   const Matrix3d off = axes * axes.transpose() - Matrix3d::Identity();
@@ -27,7 +27,7 @@ Matrix3d eigenvectorsOf(const Matrix3d& symmetric) {
 }  // namespace
 
 Matrix3d principalAxes(const Vector3d* points, std::size_t count) {
-  const std::size_t step = 1 + count / kMost;
+  const std::size_t step = 1 + count / kMostPoints;
   Vector3d mean = Vector3d::Zero();
   for (std::size_t i = 0; i < count; i += step) mean += points[i];
   const std::size_t added = (count + step - 1) / step;
