@@ -232,10 +232,11 @@ MeshTopology::ClosedFans MeshTopology::inspect(const TriangleMesh& mesh) {
 class MeshTopology::Joiner {
  public:
   Joiner(const MeshTopology& topology, const TriangleMesh& mesh, const ClosedFans& closed_fans)
-      : topology_(topology), mesh_(mesh), closed_fans_(closed_fans) {
-    for (Weld weld = 0; weld < closed_fans.size(); ++weld)
-      if (closed_fans[weld] == 0) others_.push_back(weld);
-    sets_ = DisjointSets(closed_fans.size() + (others_.empty() ? 0 : mesh.triangleCount()));
+      : topology_(topology),
+        mesh_(mesh),
+        closed_fans_(closed_fans),
+        others_(othersThan(closed_fans)),
+        sets_(closed_fans.size() + (others_.empty() ? 0 : mesh.triangleCount())) {
     for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
       const auto& [a, b, c] = mesh.triangles()[i];
       const Weld set = setOf(static_cast<TriangleId>(i));
@@ -280,7 +281,7 @@ class MeshTopology::Joiner {
    public:
     using Number = std::uint32_t;
 
-    explicit DisjointSets(std::size_t size = 0) : leads_to_(size) {
+    explicit DisjointSets(std::size_t size) : leads_to_(size) {
       std::iota(leads_to_.begin(), leads_to_.end(), Number{0});
     }
 
@@ -300,6 +301,12 @@ class MeshTopology::Joiner {
     std::vector<Number> leads_to_;
   };
 
+  static std::vector<Weld> othersThan(const ClosedFans& closed_fans) {
+    std::vector<Weld> others;
+    for (Weld weld = 0; weld < closed_fans.size(); ++weld)
+      if (closed_fans[weld] == 0) others.push_back(weld);
+    return others;
+  }
   Weld weld(VertexId corner) const { return topology_.weld(corner); }
   bool isFan(VertexId corner) const { return closed_fans_[weld(corner)] != 0; }
   Weld setOf(TriangleId triangle) const {
@@ -311,7 +318,7 @@ class MeshTopology::Joiner {
   const MeshTopology& topology_;
   const TriangleMesh& mesh_;
   const ClosedFans& closed_fans_;
-  std::vector<Weld> others_;  // that are no closed fans
+  const std::vector<Weld> others_;  // that are no closed fans
   DisjointSets sets_;
 };
 

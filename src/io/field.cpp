@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "organ_collision/core/triangle_mesh.h"
+#include "shown.h"
 
 namespace organ_collision::io {
 namespace {
@@ -15,11 +16,7 @@ struct Shown {
   std::string operator()(std::monostate) const { return "null"; }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
   std::string operator()(int value) const { return std::to_string(value); }
-  std::string operator()(double value) const {
-    std::ostringstream stream;
-    stream << value;
-    return stream.str();
-  }
+  std::string operator()(double value) const { return shown(value); }
   std::string operator()(const std::string& value) const { return "'" + value + "'"; }
   std::string operator()(const List& value) const {
     return "a list of " + std::to_string(value.size());

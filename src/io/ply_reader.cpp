@@ -178,21 +178,21 @@ class Body {
         bytes_(header.rest()),
         lines_(header) {}
 
-  /// Calls `use(*this)` for the next row, that of this number of an element.
+  /// Calls `use`, which reads the next row, that of this number of an element.
   template <class Use>
   void readRow(const std::string& element, std::int64_t number, const Use& use) {
     if (ascii_) {
       word_ = 0;
       if (!lines_.next())
         lines_.refuse("the file ends here, but a row of element " + element + " is wanted");
-      use(*this);
+      use();
       if (word_ < lines_.words().size())
         lines_.refuse("it has " + std::to_string(lines_.words().size()) + " words, but " +
                       std::to_string(word_) + " are wanted");
       return;
     }
     try {
-      use(*this);
+      use();
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("row " + std::to_string(number) + " of element " + element +
                                   ": " + error.what());
@@ -245,10 +245,9 @@ void readRows(const Element& element, Body& body, const Use& use) {
   }
   std::vector<Values> row(element.properties.size());
   for (std::int64_t i = 0; i < element.count; ++i) {
-    body.readRow(element.name, i, [&](Body& of_row) {
-      for (std::size_t k = 0; k < row.size(); ++k)
-        readValues(element.properties[k], of_row, row[k]);
-      of_row.ofThisRow([&] { use(i, row); });
+    body.readRow(element.name, i, [&] {
+      for (std::size_t k = 0; k < row.size(); ++k) readValues(element.properties[k], body, row[k]);
+      body.ofThisRow([&] { use(i, row); });
     });
   }
 }

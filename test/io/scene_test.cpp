@@ -177,6 +177,8 @@ TEST(Scene, RefusesWrongTypes) {
             "scene.organs[0].scale: 'big', but it must be a finite number above 0");
   EXPECT_EQ(refusal(with(scene(), "rate", true)),
             "scene.rate: true, but it must be a finite number above 0");
+  EXPECT_EQ(refusal(with(scene(), "rate", -0.12345678901)),
+            "scene.rate: -0.12345678901, but it must be a finite number above 0");
   EXPECT_EQ(
       refusal(with(scene(), "accuracy", Map{{"max_leaves", 1.5}})),
       "scene.accuracy.max_leaves: 1.5, but it must be an integer without a point, 0 or above");
