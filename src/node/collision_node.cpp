@@ -136,6 +136,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
     for (std::string& complaint :
          intake_.take(message, event.getPublisherName(), is_static, ros::Time::now()))
       complainOfTf(std::move(complaint));
+    if (intake_.isComplete()) pace_.noteComplete();
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
@@ -174,7 +175,7 @@ bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {
   const bool is_gathering = pace_.isGathering();  // run() waits for what comes with it
   if (!is_gathering && !pace_.isPrompt(now)) return false;
   tf.call();
-  if (is_gathering) return true;
+  if (is_gathering && !pace_.isPrompt(now)) return true;
   pace_.noteCaughtUp(now);
   answer(now);
   return true;

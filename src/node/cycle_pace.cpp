@@ -5,17 +5,18 @@
 namespace organ_collision::node {
 namespace {
 
+constexpr double kMoreThanRate = 1.01;     // clocks differ, and a cycle too many is made up for
 constexpr double kHeartbeat = 0.099;       // [s] without news: 10 times a second, and time to wake
 constexpr double kSilence = 0.01;          // [s]
 constexpr double kCatchUp = 0.1;           // [s] of poses that came together are answered at once
 constexpr double kFarthestBehind = 0.2;    // [s] then poses are left out
 constexpr double kLongestPrompt = 0.0005;  // [s] of a cycle
-constexpr double kQuiet = 0.0001;          // [s] without a message: those that come together have
+constexpr double kQuiet = 0.0005;  // [s] without a message, or half a cycle: no more will come
 
 }  // namespace
 
 CyclePace::CyclePace(double rate, ros::SteadyTime now)
-    : shortest_(std::min(1.0 / rate, kHeartbeat)),
+    : shortest_(std::min(1.0 / (kMoreThanRate * rate), kHeartbeat)),
       credit_(std::max(shortest_, ros::WallDuration(kCatchUp))),
       last_(now),
       allowed_(now),
@@ -29,8 +30,9 @@ ros::SteadyTime CyclePace::heartbeat() const { return last_ + ros::WallDuration(
 
 ros::SteadyTime CyclePace::due() const {
   if (!has_unanswered_) return std::min(heartbeat(), ended_ + ros::WallDuration(kSilence));
-  if (!is_crowded_) return allowed_;
-  const ros::SteadyTime quiet = last_message_ + ros::WallDuration(kQuiet);
+  if (!isGathering()) return allowed_;
+  const ros::SteadyTime quiet =
+      last_message_ + std::min(shortest_ * 0.5, ros::WallDuration(kQuiet));
   return std::max(allowed_, std::min(first_unanswered_ + shortest_, quiet));
 }
 
@@ -39,11 +41,11 @@ bool CyclePace::isBehind(ros::SteadyTime now) const {
 }
 
 bool CyclePace::hasRoomBetween(ros::SteadyTime now) const {
-  return isGathering() && isShort() && allowed_ + shortest_ <= now;
+  return is_crowded_ && has_unanswered_ && isShort() && allowed_ + shortest_ <= now;
 }
 
 bool CyclePace::isPrompt(ros::SteadyTime now) const {
-  return !is_crowded_ && isShort() && allowed_ <= now && now - ended_ >= length_;
+  return (!is_crowded_ || is_complete_) && isShort() && allowed_ <= now && now - ended_ >= length_;
 }
 
 bool CyclePace::isShort() const { return length_ < ros::WallDuration(kLongestPrompt); }
@@ -63,7 +65,7 @@ void CyclePace::noteCycle(ros::SteadyTime now) {
 }
 
 void CyclePace::noteAnswer(ros::SteadyTime began, ros::SteadyTime ended) {
-  has_unanswered_ = false;
+  has_unanswered_ = is_complete_ = false;
   ended_ = ended;
   // A look without a cycle does not tell how long one takes.
   if (began == last_) length_ = ended - began;

@@ -4,11 +4,12 @@
 
 namespace organ_collision::node {
 
-/// When the next cycle is due, and in which thread. At most `rate` a second, or 10 if that is less;
-/// but poses that came late, a tenth of a second of them at most, are answered when they come, and
-/// those behind them no later for it. And 10 a second where nothing is new. Where messages come
-/// faster than the rate they are crowded, each instrument in its own most likely: those that come
-/// together are answered together. Times are of a clock that is neither set nor simulated.
+/// When the next cycle is due, and in which thread. At most `rate` a second and a hundredth more,
+/// as clocks differ, or 10 if that is less; but poses that came late, a tenth of a second of them at
+/// most, are answered when they come, and those behind them no later for it. And 10 a second where
+/// nothing is new. Where messages come faster than the rate they are crowded, each instrument in its
+/// own most likely: those that come together are answered together, when they are complete or no
+/// more come. Times are of a clock that is neither set nor simulated.
 class CyclePace {
  public:
   /// `rate` [Hz] > 0.
@@ -19,24 +20,27 @@ class CyclePace {
   /// It is due from then on, be there news or not.
   ros::SteadyTime heartbeat() const;
   /// From then on an answer is due. To messages: when the rate allows it, and where they are
-  /// crowded, no more come with them. Without any: the heart beats, or no answer has looked for a
-  /// hundredth of a second whether organs moved; sooner, besides those to messages, they would give
-  /// cycles that the rate has no room for.
+  /// crowded, they are complete or no more come with them. Without any: the heart beats, or no
+  /// answer has looked for a hundredth of a second whether organs moved; sooner, besides those to
+  /// messages, they would give cycles that the rate has no room for.
   ros::SteadyTime due() const;
   /// Messages are crowded, and some wait for those that come with them.
-  bool isGathering() const { return is_crowded_ && has_unanswered_; }
-  /// They do, and may be answered though more come: answers are short, and the rate allows another.
+  bool isGathering() const { return is_crowded_ && has_unanswered_ && !is_complete_; }
+  /// They are crowded, and those that wait may be answered though more come: answers are short, and
+  /// the rate allows another.
   bool hasRoomBetween(ros::SteadyTime now) const;
   /// So much has waited for so long that only the newest can be answered in time.
   bool isBehind(ros::SteadyTime now) const;
 
   /// The thread that brings a pose may answer it, which keeps that thread from all else: the last
   /// cycle took less than half a millisecond, and has been over for as long as it took. Not where
-  /// messages are crowded.
+  /// messages are crowded, until they are complete.
   bool isPrompt(ros::SteadyTime now) const;
 
   /// One that may have brought poses.
   void noteMessage(ros::SteadyTime now);
+  /// All have come that came together the last time.
+  void noteComplete() { is_complete_ = true; }
   void noteCycle(ros::SteadyTime now);
   /// A look whether a cycle is due, and the cycle, if it was.
   void noteAnswer(ros::SteadyTime began, ros::SteadyTime ended);
@@ -51,7 +55,7 @@ class CyclePace {
   ros::WallDuration credit_;    // so far back the rate is made up for
   ros::SteadyTime last_, allowed_, caught_up_, ended_;
   ros::WallDuration length_;  // of the last answer that was a cycle
-  bool has_unanswered_ = false;
+  bool has_unanswered_ = false, is_complete_ = false;
   ros::SteadyTime first_unanswered_, last_message_;
   ros::SteadyTime allowed_for_each_;  // what allowed_ would be with a cycle for each message
   bool is_crowded_ = false;

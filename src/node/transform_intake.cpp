@@ -87,10 +87,10 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
 }
 
 void TransformIntake::note(const TransformStamped& transform, bool is_static) {
-  Known& known =
-      known_.try_emplace(transform.child_frame_id, Known{is_static, ros::Time(), 0}).first->second;
-  known.answers_until = answers_;
+  const std::string& frame = transform.child_frame_id;
+  Known& known = known_.try_emplace(frame, Known{is_static, ros::Time()}).first->second;
   known.newest = std::max(known.newest, transform.header.stamp);
+  burst_.noteMove(frame);
 }
 
 bool TransformIntake::overtakes(const tf2_msgs::TFMessage& message) const {
@@ -98,8 +98,7 @@ bool TransformIntake::overtakes(const tf2_msgs::TFMessage& message) const {
                      [this](const TransformStamped& transform) {
                        std::string frame = transform.child_frame_id;
                        dropSlash(frame);
-                       const auto found = known_.find(frame);
-                       return found != known_.end() && found->second.answers_until == answers_;
+                       return burst_.holds(frame);
                      });
 }
 

@@ -4,10 +4,11 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "node/burst.h"
 
 namespace organ_collision::node {
 
@@ -40,7 +41,9 @@ class TransformIntake {
                                 bool is_static, const ros::Time& now);
 
   /// All that has been taken is looked at.
-  void noteAnswer() { ++answers_; }
+  void noteAnswer() { burst_.noteAnswer(); }
+  /// All that is likely to come together has been taken since then.
+  bool isComplete() const { return burst_.isComplete(); }
   /// The message has a frame that was taken since then: what was taken would be looked at no more.
   bool overtakes(const tf2_msgs::TFMessage& message) const;
 
@@ -48,8 +51,7 @@ class TransformIntake {
   /// What tf has of a frame.
   struct Known {
     bool is_static;
-    ros::Time newest;             // since time last jumped back
-    std::uint64_t answers_until;  // its last one
+    ros::Time newest;  // since time last jumped back
   };
 
   std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static) const;
@@ -58,7 +60,7 @@ class TransformIntake {
   tf2::BufferCore& buffer_;
   ros::Time last_;                      // that noteTime() was told
   std::map<std::string, Known> known_;  // by frame
-  std::uint64_t answers_ = 0;
+  Burst burst_;
 };
 
 }  // namespace organ_collision::node
