@@ -6,14 +6,15 @@
 
 #include "organ_collision/core/triangle_mesh.h"
 #include "tools/arguments.h"
+#include "tools/program.h"
 
 namespace organ_collision::bench {
 
-/// A main(): takes Google Benchmark's options off the command line, hands the others to `run` and
-/// returns 0, or 1 after telling an exception of its or of a benchmark's. Unless told otherwise,
-/// repetitions of all benchmarks are run in random order, so that whatever else the machine does
-/// hits all.
-int runGoogleBenchmark(int count, char** words, const std::vector<std::string>& options,
+/// A main(), as tools::runProgram() is: takes Google Benchmark's options off the command line and
+/// hands the others to `run`. Unless told otherwise, repetitions of all benchmarks are run in
+/// random order, so that whatever else the machine does hits all.
+int runGoogleBenchmark(const tools::Program& program, int count, char** words,
+                       const std::vector<std::string>& options,
                        const std::function<void(const tools::Arguments&)>& run);
 
 /// Writes name and size of the organ into the results.

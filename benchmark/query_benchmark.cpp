@@ -16,7 +16,8 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: query_benchmark ORGAN [--tips N] [--seed N] [--benchmark_...]\n"
-    "ORGAN: liver, blob or a mesh file; @K behind it divides every triangle in four, K times\n";
+    "ORGAN: liver, blob or a mesh file; @K behind it divides every triangle in four, K times\n"
+    "--benchmark_...: options of Google Benchmark, such as --benchmark_filter=REGEX\n";
 constexpr std::size_t kWarmUp = 8;  // this part of the tips is answered before the clock starts
 
 /// What an entrant has to do in a benchmark, and how well it did it.
@@ -98,11 +99,11 @@ void compare(const core::TriangleMesh& mesh, std::size_t tip_count, std::uint64_
 }
 
 void run(const tools::Arguments& arguments) {
-  if (arguments.words().size() != 1) throw tools::UsageError(kUsage);
+  if (arguments.words().size() != 1) throw tools::UsageError("one organ is wanted");
   const std::string& name = arguments.words().front();
   const core::TriangleMesh mesh = inUnitsOfItsDiagonal(organNamed(name));
   tellOrgan(name, mesh);
-  compare(mesh, arguments.whole("--tips", 4096), arguments.whole("--seed", 1));
+  compare(mesh, arguments.whole("--tips", 4096, 1), arguments.whole("--seed", 1));
 }
 
 }  // namespace
@@ -110,5 +111,6 @@ void run(const tools::Arguments& arguments) {
 
 int main(int count, char** words) {
   using namespace organ_collision;
-  return bench::runGoogleBenchmark(count, words, {"--tips", "--seed"}, bench::run);
+  return bench::runGoogleBenchmark({"query_benchmark", bench::kUsage}, count, words,
+                                   {"--tips", "--seed"}, bench::run);
 }

@@ -23,7 +23,8 @@ using Vertices = std::vector<core::VertexId>;
 
 constexpr const char* kUsage =
     "usage: update_benchmark ORGAN [--benchmark_...]\n"
-    "ORGAN: liver, blob or a mesh file; @K behind it divides every triangle in four, K times\n";
+    "ORGAN: liver, blob or a mesh file; @K behind it divides every triangle in four, K times\n"
+    "--benchmark_...: options of Google Benchmark, such as --benchmark_filter=REGEX\n";
 constexpr std::size_t kMostChecked = 2'000'000;  // triangles measured to check the answers
 constexpr std::size_t kChecks = 32;              // tips
 constexpr double kDent = 0.02;                   // [diagonal] that vertices move
@@ -142,7 +143,7 @@ void addMoves(const std::string& name, const core::TriangleMesh& mesh, const Ver
 }
 
 void run(const tools::Arguments& arguments) {
-  if (arguments.words().size() != 1) throw tools::UsageError(kUsage);
+  if (arguments.words().size() != 1) throw tools::UsageError("one organ is wanted");
   const std::string& name = arguments.words().front();
   const core::TriangleMesh mesh = inUnitsOfItsDiagonal(organNamed(name));
   tellOrgan(name, mesh);
@@ -166,5 +167,6 @@ void run(const tools::Arguments& arguments) {
 
 int main(int count, char** words) {
   using namespace organ_collision;
-  return bench::runGoogleBenchmark(count, words, {}, bench::run);
+  return bench::runGoogleBenchmark({"update_benchmark", bench::kUsage}, count, words, {},
+                                   bench::run);
 }

@@ -3,6 +3,7 @@
 //
 // A latency lasts from just before the transforms are published on /tf until the callback of
 // ~contacts is called with a contact of their stamp: two hops over TCP and the node between them.
+// Where the sender itself gets no processor it sends late, and that wait is not counted.
 #include <organ_collision/ContactArray.h>
 #include <organ_collision/GetMesh.h>
 #include <organ_collision/MeshUpdate.h>
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <thread>
 
@@ -39,6 +41,7 @@ constexpr std::size_t kPathLength = 4000;  // tips, walked to and fro
 constexpr std::size_t kShapes = 30;        // of the organ
 constexpr double kDent = 0.01;             // [diagonal]
 constexpr const char* kFrame = "organ";
+constexpr double kLost = std::numeric_limits<double>::infinity();  // [s] until a contact came
 
 std::string instrumentName(std::size_t i) { return "tip_" + std::to_string(i); }
 
@@ -210,11 +213,9 @@ class Listener {
 };
 
 struct Result {
-  std::size_t sent = 0;                   // tips
-  std::vector<double> latencies;          // [s] of the tips that were heard of
+  std::vector<double> latencies;  // [s] of each tip that was sent; kLost: of a lost one
+  std::size_t lost = 0;
   std::vector<double> computation_times;  // [s] of a cycle
-
-  std::size_t lost() const { return sent - latencies.size(); }
 };
 
 Result resultOf(const std::vector<ros::Time>& sent, const Listener& listener) {
@@ -224,12 +225,13 @@ Result resultOf(const std::vector<ros::Time>& sent, const Listener& listener) {
   for (const ros::Time& stamp : sent) {
     if (stamp < first) continue;
     for (std::size_t i = 0; i < kInstruments; ++i) {
-      ++result.sent;
       const auto heard = listener.heard(i).find(stamp);
-      if (heard != listener.heard(i).end()) result.latencies.push_back(heard->second);
+      const bool is_lost = heard == listener.heard(i).end();
+      result.latencies.push_back(is_lost ? kLost : heard->second);
+      if (is_lost) ++result.lost;
     }
   }
-  if (result.latencies.empty()) throw std::runtime_error("the node answered nothing");
+  if (result.lost == result.latencies.size()) throw std::runtime_error("the node answered nothing");
   return result;
 }
 
@@ -255,7 +257,8 @@ std::string histogram(const std::vector<double>& latencies) {
   constexpr double kBinsPerDecade = 20.0;
   std::map<int, std::size_t> bins;
   for (const double latency : latencies)
-    ++bins[static_cast<int>(std::ceil(kBinsPerDecade * std::log10(1e6 * latency)))];
+    if (latency < kLost)
+      ++bins[static_cast<int>(std::ceil(kBinsPerDecade * std::log10(1e6 * latency)))];
   std::string text;
   for (const auto& [bin, count] : bins) {
     text += (text.empty() ? "" : ", ") + std::string("[") +
@@ -268,7 +271,8 @@ std::string histogram(const std::vector<double>& latencies) {
 std::string json(const Result& result, std::size_t triangles, std::size_t messages,
                  double update_rate) {
   const auto us = [](const std::vector<double>& times, double share) {
-    return tools::significant(1e6 * tools::percentile(times, share), 4);
+    const double time = tools::percentile(times, share);
+    return time < kLost ? tools::significant(1e6 * time, 4) : "null";
   };
   const std::vector<double>& latencies = result.latencies;
   double load = 0.0;  // of the last minute, on all processors
@@ -279,8 +283,8 @@ std::string json(const Result& result, std::size_t triangles, std::size_t messag
          ",\n  \"rate_hz\": " + tools::significant(kRate) +
          ",\n  \"updates_hz\": " + tools::significant(update_rate) +
          ",\n  \"load\": " + tools::significant(load) +
-         ",\n  \"sent\": " + std::to_string(result.sent) +
-         ",\n  \"lost\": " + std::to_string(result.lost()) +
+         ",\n  \"sent\": " + std::to_string(latencies.size()) +
+         ",\n  \"lost\": " + std::to_string(result.lost) +
          ",\n  \"p50_us\": " + us(latencies, 0.5) + ",\n  \"p99_us\": " + us(latencies, 0.99) +
          ",\n  \"p999_us\": " + us(latencies, 0.999) + ",\n  \"max_us\": " + us(latencies, 1.0) +
          ",\n  \"cycle_p50_us\": " + us(result.computation_times, 0.5) +
@@ -290,6 +294,7 @@ std::string json(const Result& result, std::size_t triangles, std::size_t messag
 
 void run(const std::vector<std::string>& words) {
   const tools::Arguments arguments(words, {"--output", "--seconds", "--updates", "--messages"});
+  arguments.requireNoWords();
   const std::filesystem::path folder = arguments.option("--output").value_or(".");
   tools::requireWritableFolder(folder);
   const auto updates = static_cast<double>(arguments.whole("--updates", 60));

@@ -2,6 +2,7 @@
 // TEST_QUERIES sets the queries for each (scripts/soak asks for 100000).
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -98,8 +99,15 @@ TEST_P(Organs, GreedyAnswersEqualThePapersPseudoCode) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Organs, testing::ValuesIn(organFiles()),
-                         [](const auto& file) { return file.param.stem().string(); });
+/// With a number, as files in different folders may have the same.
+std::string testName(const testing::TestParamInfo<std::filesystem::path>& file) {
+  std::string name = file.param.stem().string() + "_" + std::to_string(file.index);
+  for (char& letter : name)
+    if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Organs, testing::ValuesIn(organFiles()), testName);
 
 TEST(RealOrgans, AreTestedToo) {
   if (std::getenv("ORGAN_MESHES") == nullptr)
