@@ -129,17 +129,11 @@ bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& re
       throw std::invalid_argument("mode is " + std::to_string(request.mode) +
                                   ": AUTO is 0, REFIT 1, REBUILD 2");
     }
-    Organ::Applied applied;
-    try {
-      applied = request.triangles.empty()
-                    ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
-                                   request.expected_version)
-                    : organ.replace(meshFrom(request), request.expected_version);
-    } catch (const std::exception&) {
-      publish_mesh_info_();  // of what waited, and was applied before this was refused
-      throw;
-    }
-    publish_mesh_info_();
+    const Organ::Applied applied =
+        request.triangles.empty()
+            ? organ.update(movesFrom(request), static_cast<UpdateMode>(request.mode),
+                           request.expected_version)
+            : organ.replace(meshFrom(request), request.expected_version);
     response.message = applied.reason;
     response.mesh_version = applied.version;
     response.action = static_cast<std::uint8_t>(applied.action);
@@ -149,6 +143,8 @@ bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& re
     response.action = UpdateMesh::Response::NONE;
     if (asked != nullptr) response.mesh_version = asked->snapshot()->version;
   }
+  // Where this was refused, what waited may have been applied before.
+  if (asked != nullptr) publish_mesh_info_();
   return true;
 }
 
