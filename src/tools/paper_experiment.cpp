@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 #include <utility>
 
 #include "organ_collision/core/nearest_triangle.h"
 #include "statistics.h"
+#include "trade.h"
 
 namespace organ_collision::tools {
 namespace {
@@ -44,12 +44,8 @@ double thrownBack(double way, double length) {
   return there_and_back < length ? there_and_back : 2.0 * length - there_and_back;
 }
 
-/// [m] Computed distances of triangles that are equally near differ by no more: 4 * u * extent
-/// each, where no tip reaches a cell beyond the space.
-double rounding(const PaperGrid& grid) {
-  const double extent = spaceOver(grid).norm() + kCell;
-  return 8.0 * (0.5 * std::numeric_limits<double>::epsilon()) * extent;
-}
+/// [m] from any tip to any corner, or more: no tip reaches a cell beyond the space.
+double extentOver(const PaperGrid& grid) { return spaceOver(grid).norm() + kCell; }
 
 /// One grid and the tips over it.
 struct Course {
@@ -86,7 +82,7 @@ void compareAnswers(const Course& course, PaperRow& row) {
     const NearestTriangle greedy = core::nearestTriangle(course.organ, tip, Accuracy::greedy());
     const NearestTriangle exact = core::nearestTriangle(course.organ, tip, Accuracy::exact());
     const double error = greedy.distance - exact.distance;
-    if (error <= rounding(row.grid)) ++row.greedy_is_right;
+    if (error <= tieTolerance(extentOver(row.grid))) ++row.greedy_is_right;
     errors.push_back(error / kCell);
     row.greedy_nodes += weight * greedy.work.bounds;
     row.exact_boxes += weight * exact.work.bounds;

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "stability.h"
+
 namespace organ_collision::tools {
 namespace {
 
 using core::NearestTriangle;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kRounds = 3;
 constexpr std::size_t kBlock = 50;  // tips that a setting answers before the next has its turn
 constexpr std::size_t kCheckedTriangles =
     10'000'000;  // measured at most to check a band's exact answers
@@ -30,9 +31,9 @@ struct Distances {
   double distance, lower, upper;
 };
 
-/// Rounding of distances from `tip` [m]: 4*u*extent, with the box's farthest corner for the extent.
-double rounding(const core::Box& box, const Eigen::Vector3d& tip) {
-  return 4.0 * 0x1p-53 * (tip - box.low).cwiseAbs().cwiseMax((tip - box.high).cwiseAbs()).norm();
+/// The longest vector [m] from `tip` to a corner of `box`.
+double extentOf(const Eigen::Vector3d& tip, const core::Box& box) {
+  return (tip - box.low).cwiseAbs().cwiseMax((tip - box.high).cwiseAbs()).norm();
 }
 
 /// The longest distance [m] that `accuracy` allows where the truth is `nearest`.
@@ -89,7 +90,7 @@ class Block {
       for (std::size_t i = 0; i < count_; ++i) {
         const NearestTriangle& answer = answers_[s][i];
         const NearestTriangle& exact = answers_.back()[i];
-        const double tolerance = rounding(organ_.health().box, tips_[i]);
+        const double tolerance = tieTolerance(extentOf(tips_[i], organ_.health().box));
         const double error = std::abs(answer.distance) - std::abs(exact.distance);
         samples[s].times.push_back(times_[s][i]);
         samples[s].errors.push_back(error <= tolerance ? 0.0 : error);
@@ -120,6 +121,10 @@ class Block {
   std::vector<std::vector<double>> times_;             // [s] likewise
 };
 
+std::size_t foundNearest(const Samples& samples) {
+  return static_cast<std::size_t>(std::count(samples.errors.begin(), samples.errors.end(), 0.0));
+}
+
 }  // namespace
 
 std::vector<Setting> dial() {
@@ -139,10 +144,10 @@ std::vector<Setting> dial() {
           {"exact", Family::kExact, core::Accuracy::exact()}};
 }
 
-Summary summarise(const Samples& samples, std::mt19937_64& generator) {
-  const std::size_t count = samples.errors.size();
-  const auto found =
-      static_cast<std::size_t>(std::count(samples.errors.begin(), samples.errors.end(), 0.0));
+double tieTolerance(double extent) { return 2.0 * kPromisedError * core::kUnit * extent; }
+
+Summary summarise(const Samples& samples) {
+  const auto count = static_cast<double>(samples.errors.size());
   double bounds = 0.0;
   double triangles = 0.0;
   for (const core::SearchWork& work : samples.work) {
@@ -152,21 +157,23 @@ Summary summarise(const Samples& samples, std::mt19937_64& generator) {
   Summary summary{};
   summary.time_median = median(samples.times);
   summary.time_p99 = percentile(samples.times, 0.99);
-  summary.bounds = bounds / static_cast<double>(count);
-  summary.triangles = triangles / static_cast<double>(count);
-  summary.recall = static_cast<double>(found) / static_cast<double>(count);
-  summary.recall_interval = wilsonInterval(found, count);
+  summary.bounds = bounds / count;
+  summary.triangles = triangles / count;
+  summary.recall = static_cast<double>(foundNearest(samples)) / count;
   summary.error_mean = mean(samples.errors);
-  summary.error_mean_interval = bootstrapMean(samples.errors, generator);
   summary.error_p50 = median(samples.errors);
   summary.error_p99 = percentile(samples.errors, 0.99);
-  summary.error_p99_interval = bootstrapPercentile(samples.errors, 0.99);
   summary.error_p999 = percentile(samples.errors, 0.999);
-  summary.error_p999_limit = percentileUpperLimit(samples.errors, 0.999);
   summary.error_max = percentile(samples.errors, 1.0);
   summary.gap_mean = mean(samples.gaps);
   summary.gap_p99 = percentile(samples.gaps, 0.99);
   return summary;
+}
+
+Confidence confidenceIn(const Samples& samples, std::mt19937_64& generator) {
+  const std::vector<double>& errors = samples.errors;
+  return {wilsonInterval(foundNearest(samples), errors.size()), bootstrapMean(errors, generator),
+          bootstrapPercentile(errors, 0.99), percentileUpperLimit(errors, 0.999)};
 }
 
 bool isViolated(const NearestTriangle& answer, double truth, const core::Accuracy& accuracy,
@@ -181,7 +188,7 @@ bool isViolated(const NearestTriangle& answer, double truth, const core::Accurac
 }
 
 BandTrade measureBand(const core::CollisionMesh& organ, const std::string& name,
-                      const core::Points& tips, std::uint64_t seed,
+                      const core::Points& tips, std::optional<std::uint64_t> seed,
                       const std::function<void(std::size_t)>& advance) {
   const std::vector<Setting> settings = dial();
   BandTrade band{name, std::vector<Samples>(settings.size()), {}};
@@ -193,9 +200,12 @@ BandTrade measureBand(const core::CollisionMesh& organ, const std::string& name,
     advance(count);
   }
   band.samples.back().violations += wrongExactAnswers(organ, tips);
-  std::mt19937_64 generator(seed);
-  for (const Samples& samples : band.samples) {
-    if (!tips.empty()) band.summaries.push_back(summarise(samples, generator));
+  if (tips.empty()) return band;
+  for (const Samples& samples : band.samples) band.summaries.push_back(summarise(samples));
+  if (!seed) return band;
+  std::mt19937_64 generator(*seed);
+  for (std::size_t s = 0; s < settings.size(); ++s) {
+    band.summaries[s].confidence = confidenceIn(band.samples[s], generator);
   }
   return band;
 }

@@ -39,12 +39,17 @@ std::string centred(const std::string& words, std::size_t width) {
   return std::string(spare - spare / 2, ' ') + words + std::string(spare / 2, ' ');
 }
 
-/// An upper limit [m] of what 99.9 % of a setting's errors stay below: the proven one, or with 95 %
-/// confidence what was measured.
+/// What 99.9 % of the errors stay below [m] with 95 % confidence, or, where there is none, the
+/// largest that was seen.
+double measuredLimit(const Summary& summary) {
+  return summary.confidence ? summary.confidence->error_p999_limit : summary.error_max;
+}
+
+/// An upper limit [m] of a setting's errors: the proven one or the measured one.
 double errorLimit(const core::Accuracy& accuracy, const Summary& summary) {
   const bool is_proven = accuracy.max_leaves == 0 && accuracy.max_relative_error == 0.0;
-  return is_proven ? std::min(accuracy.max_absolute_error, summary.error_p999_limit)
-                   : summary.error_p999_limit;
+  const double measured = measuredLimit(summary);
+  return is_proven ? std::min(accuracy.max_absolute_error, measured) : measured;
 }
 
 /// How to set a mark of the dial.
@@ -73,6 +78,13 @@ BandList withTips(const std::vector<BandTrade>& from) {
     if (band.tipCount() > 0) result.push_back(&band);
   }
   return result;
+}
+
+/// The interval of the share of nearest triangles [%].
+std::string recallIn(const std::optional<Confidence>& confidence) {
+  if (!confidence) return "-";
+  const Interval& recall = confidence->recall;
+  return fixed(kPercent * recall.low, 1) + "-" + fixed(kPercent * recall.high, 1);
 }
 
 std::vector<double> pooledTimes(const BandList& bands, std::size_t s) {
@@ -109,16 +121,18 @@ std::string inWords(std::size_t s, const BandList& bands) {
          microseconds(percentile(times, 0.99)) + " us)";
 }
 
-std::string recommendationFor(const std::string& where, const BandList& bands) {
+/// `on_what`: what the errors are told of.
+std::string recommendationFor(const std::string& where, const BandList& bands,
+                              const std::string& on_what = "on this mesh") {
   if (bands.empty()) return "";
   const bool is_told = std::all_of(bands.begin(), bands.end(), [](const BandTrade* band) {
-    return std::isfinite(band->summaries.front().error_p999_limit);
+    return std::isfinite(measuredLimit(band->summaries.front()));
   });
   std::string lines =
       where + (is_told ? ":\n" : " (too few tips to tell 99.9 %: proven errors only):\n");
   for (const double error : kErrorsAskedFor) {
-    lines += "  for an error below " + significant(error * kMillimetres) +
-             " mm on this mesh: " + inWords(fastestWithin(error, bands), bands) + "\n";
+    lines += "  for an error below " + significant(error * kMillimetres) + " mm " + on_what + ": " +
+             inWords(fastestWithin(error, bands), bands) + "\n";
   }
   return lines + "  for the exact answer: " + inWords(dial().size() - 1, bands) + "\n";
 }
@@ -133,6 +147,8 @@ std::vector<Cell> csvRow(const Trade& trade, const BandTrade& band, std::size_t 
   const Summary& summary = band.summaries[s];
   const auto full = [](double value) { return significant(value, 9); };
   const auto mm = [&](double length) { return full(length * kMillimetres); };
+  const Confidence confidence = summary.confidence.value_or(Confidence{});
+  const auto if_any = [&](const std::string& value) { return summary.confidence ? value : ""; };
   return {{"band", band.name},
           {"setting", setting.name},
           {"max_relative_error", full(setting.accuracy.max_relative_error)},
@@ -144,17 +160,17 @@ std::vector<Cell> csvRow(const Trade& trade, const BandTrade& band, std::size_t 
           {"bounds per query", full(summary.bounds)},
           {"triangle tests per query", full(summary.triangles)},
           {"recall", full(summary.recall)},
-          {"recall low (95 %)", full(summary.recall_interval.low)},
-          {"recall high (95 %)", full(summary.recall_interval.high)},
+          {"recall low (95 %)", if_any(full(confidence.recall.low))},
+          {"recall high (95 %)", if_any(full(confidence.recall.high))},
           {"error mean [mm]", mm(summary.error_mean)},
-          {"error mean low (95 %) [mm]", mm(summary.error_mean_interval.low)},
-          {"error mean high (95 %) [mm]", mm(summary.error_mean_interval.high)},
+          {"error mean low (95 %) [mm]", if_any(mm(confidence.error_mean.low))},
+          {"error mean high (95 %) [mm]", if_any(mm(confidence.error_mean.high))},
           {"error p50 [mm]", mm(summary.error_p50)},
           {"error p99 [mm]", mm(summary.error_p99)},
-          {"error p99 low (95 %) [mm]", mm(summary.error_p99_interval.low)},
-          {"error p99 high (95 %) [mm]", mm(summary.error_p99_interval.high)},
+          {"error p99 low (95 %) [mm]", if_any(mm(confidence.error_p99.low))},
+          {"error p99 high (95 %) [mm]", if_any(mm(confidence.error_p99.high))},
           {"error p99.9 [mm]", mm(summary.error_p999)},
-          {"error p99.9 upper limit (95 %) [mm]", mm(summary.error_p999_limit)},
+          {"error p99.9 upper limit (95 %) [mm]", if_any(mm(confidence.error_p999_limit))},
           {"error max [mm]", mm(summary.error_max)},
           {"proven gap mean [mm]", mm(summary.gap_mean)},
           {"proven gap p99 [mm]", mm(summary.gap_p99)},
@@ -262,15 +278,13 @@ std::string table(const BandTrade& band) {
   const std::vector<Setting> settings = dial();
   for (std::size_t s = 0; s < settings.size(); ++s) {
     const Summary& summary = band.summaries[s];
-    const Interval& recall = summary.recall_interval;
     lines += aligned(
         {settings[s].name, microseconds(summary.time_median), microseconds(summary.time_p99),
          perQuery(summary.bounds), perQuery(summary.triangles), fixed(kPercent * summary.recall, 2),
-         fixed(kPercent * recall.low, 1) + "-" + fixed(kPercent * recall.high, 1),
-         millimetres(summary.error_mean), millimetres(summary.error_p50),
-         millimetres(summary.error_p99), millimetres(summary.error_p999),
-         millimetres(summary.error_max), millimetres(summary.gap_mean),
-         millimetres(summary.gap_p99)},
+         recallIn(summary.confidence), millimetres(summary.error_mean),
+         millimetres(summary.error_p50), millimetres(summary.error_p99),
+         millimetres(summary.error_p999), millimetres(summary.error_max),
+         millimetres(summary.gap_mean), millimetres(summary.gap_p99)},
         widths);
   }
   return lines;
@@ -286,12 +300,15 @@ std::string recommendation(const Trade& trade) {
       "95 % confidence in every band), and its time.\n";
   lines += recommendationFor("Within 5 mm of the surface", withTips(near));
   lines += recommendationFor("Anywhere", withTips(trade.bands));
-  if (trade.path) lines += recommendationFor(trade.path->name, {&*trade.path});
-  return lines;
+  if (!trade.path) return lines;
+  return lines + recommendationFor(trade.path->name + ", by the largest error seen", {&*trade.path},
+                                   "on these tips");
 }
 
 std::string report(const Trade& trade) {
-  std::string text = trade.mesh + ": " + std::to_string(trade.triangles) + " triangles\n\n";
+  std::string text = trade.mesh + ": " + std::to_string(trade.triangles) +
+                     " triangles\nTimes: of each tip the least of " + std::to_string(kRounds) +
+                     " rounds.\n\n";
   for (const BandTrade& band : trade.bands) text += table(band) + "\n";
   if (trade.path) text += table(*trade.path) + "\n";
   return text + costLines(trade) + "\n" + recommendation(trade);

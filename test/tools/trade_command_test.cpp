@@ -50,6 +50,7 @@ TEST_F(MeasureTrade, PrintsAReportAndWritesTableAndPlot) {
   EXPECT_EQ(done.exit_code, 0) << done.errors;
   EXPECT_EQ(done.errors, "");
   EXPECT_THAT(done.out, HasSubstr("organ.obj: 4 triangles"));
+  EXPECT_THAT(done.out, HasSubstr("Times: of each tip the least of 3 rounds."));
   EXPECT_THAT(done.out, HasSubstr("0 violations"));
   EXPECT_THAT(done.out, HasSubstr("for an error below 0.1 mm on this mesh: "));
   EXPECT_EQ(rowsOf(folder("new/trade.csv")).size(), 1 + 5 * dial().size());
@@ -93,6 +94,20 @@ TEST_F(MeasureTrade, MeasuresTheUsersOwnTips) {
   EXPECT_EQ(done.exit_code, 0) << done.errors;
   EXPECT_THAT(done.out, HasSubstr("tips of " + tips + ": 2 tips"));
   EXPECT_EQ(rowsOf(folder("trade.csv")).size(), 1 + 6 * dial().size());
+}
+
+TEST_F(MeasureTrade, HasNoConfidenceInAPathHoweverManyTipsItHas) {
+  std::string path;
+  for (int i = 0; i < 3000; ++i) path += "0.1,0.1,0.1\n";  // enough for 99.9 % if each were drawn
+  const std::string tips = folder_.write("tips.csv", path).string();
+  const Outcome done = run({mesh(), "--output", folder(), "--queries", "5", "--tips", tips});
+  EXPECT_THAT(done.out, HasSubstr("for an error below 0.01 mm on these tips: "));
+  const auto rows = rowsOf(folder("trade.csv"));
+  for (std::size_t column = 0; column < rows[0].size(); ++column) {
+    if (rows[0][column].find("(95 %)") == std::string::npos) continue;
+    EXPECT_NE(rows[1][column], "") << rows[0][column];
+    EXPECT_EQ(rows.back()[column], "") << rows[0][column];
+  }
 }
 
 TEST_F(MeasureTrade, SaysThatNothingIsInsideAnOpenMesh) {

@@ -25,17 +25,27 @@ BandTrade bandOf(const std::string& name) {
     band.samples.push_back({{10e-6}, {9e-3}, {9e-3}, {{1, 1}}, 0});
     Summary summary{};
     summary.time_median = summary.time_p99 = 10e-6;
-    summary.error_p99 = summary.error_p999_limit = s == kExact ? 0.0 : 9e-3;
+    summary.error_p99 = summary.error_max = s == kExact ? 0.0 : 9e-3;
+    summary.confidence = Confidence{{}, {}, {}, summary.error_p99};
     band.summaries.push_back(summary);
   }
   return band;
+}
+
+/// The same of tips that are not independent.
+BandTrade pathOf(const std::string& name) {
+  BandTrade path = bandOf(name);
+  for (Summary& summary : path.summaries) summary.confidence.reset();
+  return path;
 }
 
 void set(BandTrade& band, std::size_t setting, double time, double error) {
   band.samples[setting].times = {time};
   band.summaries[setting].time_median = time;
   band.summaries[setting].error_p99 = error;
-  band.summaries[setting].error_p999_limit = error;
+  band.summaries[setting].error_max = error;
+  auto& confidence = band.summaries[setting].confidence;
+  if (confidence) confidence->error_p999_limit = error;
 }
 
 BandTrade emptyBand(const std::string& name) {
@@ -87,20 +97,30 @@ TEST(Recommendation, IsExactWhereThatCostsHardlyMore) {
   EXPECT_THAT(recommendation(tradeOf({band})), Not(HasSubstr("max_leaves")));
 }
 
-TEST(Recommendation, SpeaksOfTheUsersOwnTips) {
+TEST(Recommendation, SpeaksOfTheUsersOwnTipsByTheLargestError) {
   Trade trade = tradeOf({bandOf("0-1 mm")});
-  trade.path = bandOf("tips of path.csv");
+  trade.path = pathOf("tips of path.csv");
   set(*trade.path, kGreedy, 1e-6, 5e-4);
+  trade.path->summaries[kGreedy].error_p999 = 0.0;
   EXPECT_THAT(recommendation(trade),
-              HasSubstr("tips of path.csv:\n  for an error below 1 mm on this mesh: max_leaves 1"));
+              HasSubstr("tips of path.csv, by the largest error seen:\n"
+                        "  for an error below 1 mm on these tips: max_leaves 1 (greedy), 1.00 us "
+                        "(p99 1.00 us)\n"
+                        "  for an error below 0.1 mm on these tips: all zero (exact)"));
 }
 
 TEST(Table, FitsATerminalWhateverTheNumbers) {
   BandTrade band = bandOf("0-1 mm");
-  band.summaries[0] = {123e-6, 98765e-6, 12345.6, 1234.5,  1.0, {1.0, 1.0}, 12.3456, {1, 2},
-                       12.3,   12.3456,  {1, 2},  12.3456, 1.0, 12.3,       12.3456, 12.3456};
+  const Confidence sure{{1.0, 1.0}, {}, {}, 1.0};
+  band.summaries[0] = {123e-6,  98765e-6, 12345.6, 1234.5,  1.0,     12.3456, 12.3456,
+                       12.3456, 12.3456,  12.3456, 12.3456, 12.3456, sure};
   std::istringstream lines(table(band));
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 110U) << line;
+}
+
+TEST(Table, HasAnIntervalOnlyWhereThereIsConfidence) {
+  EXPECT_THAT(table(bandOf("0-1 mm")), HasSubstr("0.0-0.0"));
+  EXPECT_THAT(table(pathOf("path")), Not(HasSubstr("0.0-0.0")));
 }
 
 TEST(Table, SaysThatABandIsEmpty) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "test_meshes.h"
@@ -157,7 +158,18 @@ TEST(MeasureBand, HasNothingToSayOfNoTips) {
   EXPECT_TRUE(band.summaries.empty());
 }
 
-TEST(Summarise, TellsWhatTheSamplesAre) {
+TEST(MeasureBand, HasNoConfidenceWhereTheTipsAreNotIndependent) {
+  const CollisionMesh organ(test::blob(1));
+  const BandTrade path =
+      measureBand(organ, "path", tipsAround(20), std::nullopt, [](std::size_t) {});
+  for (const Summary& summary : path.summaries) EXPECT_FALSE(summary.confidence);
+  for (const Summary& summary : measured(organ, tipsAround(20)).summaries) {
+    EXPECT_TRUE(summary.confidence);
+  }
+}
+
+/// Errors of 0, but for the last 40 of 100.
+Samples hundredSamples() {
   Samples samples;
   for (int i = 1; i <= 100; ++i) {
     samples.times.push_back(i);
@@ -165,22 +177,39 @@ TEST(Summarise, TellsWhatTheSamplesAre) {
     samples.gaps.push_back(2.0 * i);
     samples.work.push_back({3, 1});
   }
-  std::mt19937_64 generator(kSeed);
-  const Summary summary = summarise(samples, generator);
+  return samples;
+}
+
+TEST(Summarise, TellsWhatTheSamplesAre) {
+  const Summary summary = summarise(hundredSamples());
   EXPECT_EQ(summary.time_median, 50.0);
   EXPECT_EQ(summary.time_p99, 99.0);
   EXPECT_EQ(summary.bounds, 3.0);
   EXPECT_EQ(summary.triangles, 1.0);
   EXPECT_EQ(summary.recall, 0.6);
   EXPECT_EQ(summary.error_mean, 32.2);
-  EXPECT_LT(summary.error_mean_interval.low, 32.2);
-  EXPECT_GT(summary.error_mean_interval.high, 32.2);
   EXPECT_EQ(summary.error_p50, 0.0);
   EXPECT_EQ(summary.error_p99, 99.0);
   EXPECT_EQ(summary.error_p999, 100.0);
   EXPECT_EQ(summary.error_max, 100.0);
   EXPECT_EQ(summary.gap_mean, 101.0);
   EXPECT_EQ(summary.gap_p99, 198.0);
+}
+
+TEST(ConfidenceIn, SurroundsWhatTheSamplesAre) {
+  std::mt19937_64 generator(kSeed);
+  const Confidence confidence = confidenceIn(hundredSamples(), generator);
+  EXPECT_LT(confidence.recall.low, 0.6);
+  EXPECT_GT(confidence.recall.high, 0.6);
+  EXPECT_LT(confidence.error_mean.low, 32.2);
+  EXPECT_GT(confidence.error_mean.high, 32.2);
+  EXPECT_LT(confidence.error_p99.low, 99.0);
+  EXPECT_GT(confidence.error_p99.high, 99.0);
+  EXPECT_TRUE(std::isinf(confidence.error_p999_limit)) << "100 are too few";
+}
+
+TEST(TieTolerance, AllowsBothDistancesThePromisedError) {
+  EXPECT_EQ(tieTolerance(0.5), 2 * 4 * 0x1p-53 * 0.5);
 }
 
 TEST(MeasureCosts, TimesWhatItDoes) {
