@@ -16,7 +16,7 @@ class Client:
     def __init__(self):
         self.alarm = rospy.get_param("~alarm", 0.005)  # [m]
         node = rospy.get_param("~node", "organ_collision")
-        self.told_at = {}  # when each pair was told last
+        self.told_at = {}  # when of each pair each thing was told last
         self.find = rospy.ServiceProxy(node + "/find_triangles_within", FindTrianglesWithin)
         rospy.loginfo("waiting for %s", self.find.resolved_name)
         self.find.wait_for_service()
@@ -25,17 +25,17 @@ class Client:
     def hear(self, array):
         for contact in array.contacts:
             if contact.status in (Contact.STALE, Contact.NO_POSE):
-                if self.is_due(contact):
+                if self.is_due(contact, "pose"):
                     rospy.logwarn("%s and %s: no fresh pose on tf", contact.instrument, contact.organ)
-            elif contact.nearest.distance < self.alarm and self.is_due(contact):
+            elif contact.nearest.distance < self.alarm and self.is_due(contact, "touch"):
                 self.tell(contact, self.around(contact, array.header.frame_id))
 
-    def is_due(self, contact):
-        """Whether this pair was not told within the last second."""
-        pair, now = (contact.instrument, contact.organ), time.monotonic()
-        due = now - self.told_at.get(pair, -math.inf) > 1.0
+    def is_due(self, contact, what):
+        """Whether this was not told of the pair within the last second."""
+        told, now = (contact.instrument, contact.organ, what), time.monotonic()
+        due = now - self.told_at.get(told, -math.inf) > 1.0
         if due:
-            self.told_at[pair] = now
+            self.told_at[told] = now
         return due
 
     def around(self, contact, frame):

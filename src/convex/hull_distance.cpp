@@ -115,23 +115,32 @@ std::optional<Vector3d> bestNormal(const std::array<Vector3d, 3>& normals, const
   return best;
 }
 
-/// By EPA; nothing where no normal is known. REQUIRES: the corners are not in one plane.
+/// By EPA; nothing where no normal is known. Faces that are about as near as the nearest are ways
+/// out as well: each is taken to its end, as the points may come to lie on any of them. REQUIRES:
+/// the corners are not in one plane.
 std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Points& first,
                                   const Points& second) {
   constexpr int kSteps = 256;
   Polytope polytope(corners);
+  double least = std::numeric_limits<double>::max();  // of faces that no corner lies beyond
+  Vector3d way_out = Vector3d::Zero();
   for (int i = 0; i < kSteps; ++i) {
-    const Polytope::Face& nearest = polytope.nearestPlane();
-    const Polytope::Corner corner = farthestCorner(nearest.normal, first, second);
-    if (nearest.normal.dot(corner.place) - nearest.offset <= kProven / 8) break;
-    if (!polytope.add(corner)) polytope.passByNearest();
+    const auto [numbers, normal, offset] = polytope.nearestPlane();
+    if (offset > least + kProven / 8) break;
+    const Polytope::Corner corner = farthestCorner(normal, first, second);
+    const bool is_outermost = normal.dot(corner.place) - offset <= kProven / 8;
+    if (is_outermost && offset < least) {
+      least = offset;
+      way_out = normal;
+    }
+    if (is_outermost || !polytope.add(corner)) polytope.passByNearest();
   }
   HullDistance found = polytope.nearestPoints();
   const Vector3d apart = found.on_second - found.on_first;
   const Vector3d way = polytope.holdsOrigin() ? -apart : apart;
   found.most = polytope.holdsOrigin() ? -way.norm() : way.norm();
-  const std::optional<Vector3d> normal = bestNormal(
-      {found.normal, way.stableNormalized(), polytope.nearestPlane().normal}, way, first, second);
+  const std::optional<Vector3d> normal =
+      bestNormal({found.normal, way.stableNormalized(), way_out}, way, first, second);
   if (!normal) return std::nullopt;
   found.normal = *normal;
   found.gap = gapAlong(found.normal, first, second);
@@ -169,6 +178,11 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
 
 const HullDistance& higher(const HullDistance& one, const HullDistance& other) {
   return one.gap > other.gap ? one : other;
+}
+
+/// How much farther or less far apart than `distance` the points are.
+double misfit(const HullDistance& found, double distance) {
+  return std::abs((found.on_second - found.on_first).norm() - std::abs(distance));
 }
 
 /// Of the plane that they are about in.
@@ -209,6 +223,11 @@ HullDistance hullDistance(const Points& first, const Points& second) {
     const double most = std::min(best.most, known->most);
     best = higher(best, uphill(first, second, known->normal));
     best.most = most;
+    // Where a gap is higher but by a rounding, its points may be any corners.
+    if (misfit(*known, most) < misfit(best, most)) {
+      best.on_first = known->on_first;
+      best.on_second = known->on_second;
+    }
   }
   best.most = std::max(best.gap, best.most);
   return best;

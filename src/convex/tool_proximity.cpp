@@ -60,6 +60,8 @@ Points inFrame(const core::UnitFrame& frame, Points points) {
 }  // namespace
 
 Proximity hullProximity(const core::Shape& first, const core::Shape& second) {
+  core::requireUsable(first);
+  core::requireUsable(second);
   const Hull first_hull = hullOf(first);
   const Hull second_hull = hullOf(second);
   const core::UnitFrame unit = unitFrameOf(first_hull, second_hull);

@@ -16,12 +16,17 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Unit, from the first core to the second; where two axes cross, perpendicular to both; else zero.
+/// Unit, from the first core to the second; where they cross, perpendicular to both axes; zero
+/// where two points are one.
 Vector3d direction(const ClosestPair& pair, const Triangle& first, const Triangle& second) {
   const Vector3d& offset = pair.on_second.offset;
   if (!offset.isZero(0.0)) return unit(offset);
   const Vector3d along_first = unit(first.b - first.a);
-  return unit(accurateCross(along_first, unit(second.b - second.a)));
+  const Vector3d along_second = unit(second.b - second.a);
+  const Vector3d across = unit(accurateCross(along_first, along_second));
+  if (!across.isZero(0.0)) return across;
+  const Vector3d& along = along_first.isZero(0.0) ? along_second : along_first;
+  return along.isZero(0.0) ? along : along.unitOrthogonal();
 }
 
 Proximity betweenRounds(const RoundShape& first, const RoundShape& second) {

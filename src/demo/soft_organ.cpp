@@ -43,6 +43,13 @@ btTransform capsulePose(const Eigen::Isometry3d& organ_from_tip) {
                      toBullet(organ_from_tip * Eigen::Vector3d(0.0, 0.0, -kTipToMiddle)));
 }
 
+void requireAFew(const core::TriangleMesh& mesh) {
+  const std::size_t count = mesh.positions().size();
+  if (count <= SoftOrgan::kMostVertices) return;
+  throw std::invalid_argument("the mesh has " + std::to_string(count) + " vertices, but at most " +
+                              std::to_string(SoftOrgan::kMostVertices) + " can be simulated");
+}
+
 /// Bullet makes vertices up to the last one that is in a triangle, and moves every one.
 void requireUse(const core::TriangleMesh& mesh) {
   std::vector<bool> is_used(mesh.positions().size(), false);
@@ -61,6 +68,7 @@ class SoftOrgan::Simulation {
  public:
   Simulation(core::TriangleMesh mesh, std::size_t instruments)
       : mesh_(std::move(mesh)), capsule_(inUnits(kRadius), inUnits(kShaft)) {
+    requireAFew(mesh_);
     requireUse(mesh_);
     world_.setGravity(btVector3(0, 0, 0));
     world_.getWorldInfo().m_gravity.setZero();

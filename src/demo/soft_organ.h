@@ -23,13 +23,17 @@ class SoftOrgan {
   /// Where an instrument is; none: nowhere.
   using TipPose = std::optional<Eigen::Isometry3d>;
 
-  /// `mesh` [m] is the shape at rest. Throws std::invalid_argument naming a vertex in no triangle.
+  static constexpr std::size_t kMostVertices = 20'000;  ///< Bullet counts all pairs of them
+
+  /// `mesh` [m] is the shape at rest. Throws std::invalid_argument naming a vertex in no triangle,
+  /// or their number if there are too many. O(vertices^2): 3 s for 10,000.
   SoftOrgan(core::TriangleMesh mesh, std::size_t instruments);
   ~SoftOrgan();
 
   /// Simulates the next kStep, with each instrument moved to `organ_from_tips`; the tip's z axis
   /// points out of it. False if a vertex got farther than kFarthest or lost its number: all are
-  /// then at rest again. O(vertices). REQUIRES: one entry for each instrument; finite poses.
+  /// then at rest again. O(vertices), but for a new body that is put to rest, which takes as long
+  /// as the first. REQUIRES: one entry for each instrument; finite poses.
   bool step(const std::vector<TipPose>& organ_from_tips);
 
   /// Of the mesh's vertices [m], in their order and frame; finite.

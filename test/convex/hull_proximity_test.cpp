@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -136,6 +137,7 @@ TEST(HullProximity, IsCertainThatNothingCollidesOnlyWhereTheGapIsProven) {
       const auto found = hullProximity(first, second);
       if (found.colliding) break;
       ASSERT_EQ(found.colliding_certain, found.lower_bound > 0.0);
+      ASSERT_LE(found.lower_bound, core::proximity(first, second).upper_bound + kRounding);
       if (!found.colliding_certain) ++uncertain;
       const Vector3d closer = (gap - found.distance) * found.normal;
       second = core::transformed(second, Isometry3d(Eigen::Translation3d(closer)));
@@ -265,9 +267,11 @@ TEST(HullProximity, OfPolygonsInOnePlaneIsThatTheyTouch) {
     const Isometry3d pose = test::randomPose(generator, 0.5);
     const Isometry3d aside = pose * Eigen::Translation3d(0.25, 0, 0);
     const RigidMesh first = polygon(generator, pose, 3 + generator() % 18);
-    const Proximity found = hullProximity(first, polygon(generator, aside, 3 + generator() % 18));
-    ASSERT_GE(found.upper_bound, -kTight);
-    ASSERT_LE(found.lower_bound, found.upper_bound);
+    const RigidMesh second = polygon(generator, aside, 3 + generator() % 18);
+    const Proximity found = hullProximity(first, second);
+    ASSERT_GE(found.distance, -kTight);
+    ASSERT_LE(found.distance, core::proximity(first, second).distance + kTight);
+    ASSERT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
     const Proximity same = hullProximity(first, polygon(generator, pose, 3 + generator() % 18));
     ASSERT_NEAR(same.lower_bound, 0.0, kTight);  // the middles meet
     ASSERT_NEAR(same.upper_bound, 0.0, kTight);
@@ -313,10 +317,57 @@ TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
     const Shape second = randomConvex(generator);
     const auto there = hullProximity(first, second);
     const auto back = hullProximity(second, first);
-    ASSERT_NEAR(there.distance, back.distance, kDepth);
+    ASSERT_NEAR(there.distance, back.distance, kTight);
     if (there.distance < 0.01 * kSize) continue;  // overlapping: there may be two ways out
     ASSERT_NEAR((there.normal + back.normal).norm(), 0.0,
                 1e-2);  // kGjk over the distance, its root
+    for (const Proximity& found : {there, back})
+      ASSERT_NEAR(
+          (found.point_on_second - found.point_on_first - found.distance * found.normal).norm(),
+          0.0, 1e-2 * kSize);
+  }
+}
+
+RigidMesh hullOf(const Points& points) {
+  std::vector<core::Corners> triangles;
+  for (unsigned i = 2; i < points.size(); ++i) triangles.push_back(test::corners(0, i - 1, i));
+  return {std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)),
+          Isometry3d::Identity(), true};
+}
+
+/// EPA may come to an end at one of them, and take the points from another.
+TEST(HullProximity, OfSeveralWaysOutAsShortTellsOneWithItsPoints) {
+  const RigidMesh one = hullOf({{1, 1, 0}, {2, 0, 1}, {1, 1, 1}, {1, 0, 1}});
+  const RigidMesh other = hullOf({{0, 0, 1}, {2, 0, 1}, {2, 1, 2}, {2, 2, 1}});
+  for (const RigidMesh& mesh : {one, other}) {
+    const Proximity found = hullProximity(mesh, mesh);
+    EXPECT_NEAR(found.lower_bound, found.upper_bound, kTight);
+    EXPECT_NEAR(
+        (found.point_on_second - found.point_on_first - found.distance * found.normal).norm(), 0.0,
+        kTight);
+  }
+  EXPECT_NEAR(hullProximity(one, one).distance, -std::sqrt(1.0 / 3.0), kTight);
+}
+
+/// Its gap is higher by a rounding along a normal whose points are any corners.
+TEST(HullProximity, OfASpeckBesideANeedleTellsPointsThatAreNear) {
+  const RigidMesh needle = hullOf({{1, 2, 2}, {1, 0, 2}, {1, 1, 2}});
+  const Vector3d speck(0.99999980541882461, 1.0000007042327332, 2.0000008122741755);
+  const Vector3d end(0.999999122823931, 0.99999989627568187, 1.999999546148536);
+  const Proximity found = hullProximity(needle, hullOf({speck, end, speck}));
+  EXPECT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
+  EXPECT_NEAR((found.point_on_first - Vector3d(1, 1, 2)).norm(), 0.0, 1e-5);
+}
+
+TEST(HullProximity, RefusesWhatOtherPairsRefuse) {
+  const RigidMesh mesh = box({1, 1, 1});
+  RigidMesh scaled = mesh;
+  scaled.pose.linear() *= 3.0;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Shape& bad : {Shape(Sphere{{0, 0, 3}, -1.0}), Shape(Sphere{{0, 0, 3}, nan}),
+                           Shape(Vector3d(nan, 0, 0)), Shape(scaled)}) {
+    EXPECT_THROW(hullProximity(mesh, bad), std::invalid_argument);
+    EXPECT_THROW(hullProximity(bad, mesh), std::invalid_argument);
   }
 }
 

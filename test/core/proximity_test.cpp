@@ -38,6 +38,24 @@ TEST(Proximity, OfTwoSpheresIsThatOfTheCentresLessTheRadii) {
   EXPECT_TRUE(overlapping.colliding);
 }
 
+TEST(Proximity, OfCoresThatShareALineIsBothRadiiDeepSquareToIt) {
+  const Capsule along_z{{0, 0, 0}, {0, 0, 1}, 0.25};
+  for (const Shape& other :
+       {Shape(Sphere{{0, 0, 0.5}, 0.5}), Shape(Capsule{{0, 0, 0.5}, {0, 0, 2}, 0.5})}) {
+    const Proximity there = proximity(along_z, other);
+    const Proximity back = proximity(other, along_z);
+    for (const Proximity& found : {there, back}) {
+      EXPECT_NEAR(found.distance, -0.75, 1e-15);
+      EXPECT_NEAR(found.normal.norm(), 1.0, 1e-15);
+      EXPECT_NEAR(found.normal.z(), 0.0, 1e-15);
+      EXPECT_NEAR((found.point_on_second - found.point_on_first + 0.75 * found.normal).norm(), 0.0,
+                  1e-15);
+    }
+  }
+  const Proximity same = proximity(Sphere{{0, 0, 0}, 0.5}, Sphere{{0, 0, 0}, 0.5});
+  EXPECT_TRUE(same.normal.isZero(0.0));  // there is none
+}
+
 TEST(Proximity, OfCrossingCapsulesIsBothRadiiDeepSquareToBothAxes) {
   const Capsule along_x{{-1, 0, 0}, {1, 0, 0}, 0.25};
   const Capsule along_y{{0, -1, 0}, {0, 1, 0}, 0.5};

@@ -8,6 +8,7 @@
 
 #include "organ_collision/core/nearest_triangle.h"
 #include "organ_collision/io/mesh_io.h"
+#include "test_meshes.h"
 
 namespace organ_collision::demo {
 namespace {
@@ -31,11 +32,22 @@ Eigen::Vector3d summit() {
                            [](const auto& p, const auto& q) { return p.z() < q.z(); });
 }
 
-/// An instrument from straight above, its tip `depth` [m] below the summit at rest.
-Eigen::Isometry3d fromAbove(double depth) {
+/// The highest vertex that a dent at the summit does not reach.
+Eigen::Vector3d besideTheSummit() {
+  constexpr double kFar = 0.04;  // [m]
+  Eigen::Vector3d highest(0, 0, -1);
+  for (const Eigen::Vector3d& position : liver().positions()) {
+    if (position.z() > highest.z() && (position - summit()).head<2>().norm() > kFar)
+      highest = position;
+  }
+  return highest;
+}
+
+/// An instrument from straight above, its tip `depth` [m] below `place`, at rest.
+Eigen::Isometry3d fromAbove(double depth, const Eigen::Vector3d& place = summit()) {
   Eigen::Isometry3d organ_from_tip = Eigen::Isometry3d::Identity();
   organ_from_tip.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
-  organ_from_tip.translation() = summit() - depth * Eigen::Vector3d::UnitZ();
+  organ_from_tip.translation() = place - depth * Eigen::Vector3d::UnitZ();
   return organ_from_tip;
 }
 
@@ -112,8 +124,21 @@ TEST(SoftOrgan, ReleasedItReturnsToItsShape) {
 
 TEST(SoftOrgan, EachInstrumentPresses) {
   SoftOrgan organ(liver(), 2);
-  for (double now = -0.002; now < kDepth; now += kPush) organ.step({std::nullopt, fromAbove(now)});
-  EXPECT_GE(farthestFromRest(organ), kDepth - SoftOrgan::kBite - kSinking);
+  for (double now = -0.002; now < kDepth; now += kPush)
+    ASSERT_TRUE(organ.step({fromAbove(now, besideTheSummit()), fromAbove(now)}));
+  const core::Points& rest = liver().positions();
+  for (const Eigen::Vector3d& place : {besideTheSummit(), summit()}) {
+    const auto vertex = std::find(rest.begin(), rest.end(), place) - rest.begin();
+    const Eigen::Vector3d now = organ.positions()[static_cast<std::size_t>(vertex)];
+    EXPECT_GE((now - place).norm(), 0.5 * kDepth);
+  }
+}
+
+TEST(SoftOrgan, RefusesMoreVerticesThanBulletCanTake) {
+  const core::TriangleMesh fine = test::subdivided(test::subdivided(liver()));
+  EXPECT_THAT([&] { SoftOrgan(fine, 1); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  testing::HasSubstr(std::to_string(fine.positions().size()))));
 }
 
 TEST(SoftOrgan, TornApartItIsPutBackToRestAndIsSoftAgain) {
