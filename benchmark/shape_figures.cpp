@@ -117,6 +117,7 @@ std::vector<Isometry3d> posesOf(const Motion& motion, const CollisionMesh& organ
 std::vector<Isometry3d> posesOf(const Workload& workload, const CollisionMesh& organ, int count) {
   Random random(1);
   std::vector<Isometry3d> poses;
+  poses.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) poses.push_back(workload.pose(random, organ));
   return poses;
 }

@@ -23,7 +23,7 @@ Vector3d direction(const ClosestPair& pair, const Triangle& first, const Triangl
   if (!offset.isZero(0.0)) return unit(offset);
   const Vector3d along_first = unit(first.b - first.a);
   const Vector3d along_second = unit(second.b - second.a);
-  const Vector3d across = unit(accurateCross(along_first, along_second));
+  Vector3d across = unit(accurateCross(along_first, along_second));
   if (!across.isZero(0.0)) return across;
   const Vector3d& along = along_first.isZero(0.0) ? along_second : along_first;
   return along.isZero(0.0) ? along : along.unitOrthogonal();
