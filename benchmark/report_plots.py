@@ -94,6 +94,8 @@ def draw_latency(nodes, file):
         ends, counts = np.array(node["histogram_us"]).T
         axis.bar(ends, counts / node["sent"], width=-0.1 * ends, align="edge", color=COLOURS[4])
         for key, text in (("p50_us", "p50"), ("p99_us", "p99"), ("max_us", "max")):
+            if node[key] is None:  # lost
+                continue
             axis.axvline(node[key], color=COLOURS[5], linewidth=1)
             axis.annotate(text, (node[key], axis.get_ylim()[1]), ha="center", va="bottom")
         axis.set(xscale="log", ylabel="share of tips")

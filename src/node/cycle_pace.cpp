@@ -1,6 +1,9 @@
 #include "node/cycle_pace.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 namespace organ_collision::node {
 namespace {
@@ -22,6 +25,7 @@ CyclePace::CyclePace(double rate, ros::SteadyTime now)
       allowed_(now),
       caught_up_(now),
       ended_(now),
+      former_length_(std::numeric_limits<std::int32_t>::max(), 0),
       first_unanswered_(now),
       last_message_(now),
       allowed_for_each_(now - credit_) {}
@@ -68,7 +72,9 @@ void CyclePace::noteAnswer(ros::SteadyTime began, ros::SteadyTime ended) {
   has_unanswered_ = is_complete_ = false;
   ended_ = ended;
   // A look without a cycle does not tell how long one takes.
-  if (began == last_) length_ = ended - began;
+  if (began != last_) return;
+  const ros::WallDuration length = ended - began;
+  length_ = std::min(length, std::exchange(former_length_, length));
 }
 
 }  // namespace organ_collision::node

@@ -5,11 +5,11 @@
 namespace organ_collision::node {
 
 /// When the next cycle is due, and in which thread. At most `rate` a second and a hundredth more,
-/// as clocks differ, or 10 if that is less; but poses that came late, a tenth of a second of them at
-/// most, are answered when they come, and those behind them no later for it. And 10 a second where
-/// nothing is new. Where messages come faster than the rate they are crowded, each instrument in its
-/// own most likely: those that come together are answered together, when they are complete or no
-/// more come. Times are of a clock that is neither set nor simulated.
+/// as clocks differ, or 10 if that is less; but poses that came late, a tenth of a second of them
+/// at most, are answered when they come, and those behind them no later for it. And 10 a second
+/// where nothing is new. Where messages come faster than the rate they are crowded, each instrument
+/// in its own most likely: those that come together are answered together, when they are complete
+/// or no more come. Times are of a clock that is neither set nor simulated.
 class CyclePace {
  public:
   /// `rate` [Hz] > 0.
@@ -32,9 +32,9 @@ class CyclePace {
   /// So much has waited for so long that only the newest can be answered in time.
   bool isBehind(ros::SteadyTime now) const;
 
-  /// The thread that brings a pose may answer it, which keeps that thread from all else: the last
-  /// cycle took less than half a millisecond, and has been over for as long as it took. Not where
-  /// messages are crowded, until they are complete.
+  /// The thread that brings a pose may answer it, which keeps that thread from all else: one
+  /// of the last two cycles took less than half a millisecond, and it is over for as long. Not
+  /// where messages are crowded, until they are complete.
   bool isPrompt(ros::SteadyTime now) const;
 
   /// One that may have brought poses.
@@ -48,13 +48,15 @@ class CyclePace {
   void noteCaughtUp(ros::SteadyTime now) { caught_up_ = now; }
 
  private:
-  /// The last cycle was.
+  /// One of the last two cycles was.
   bool isShort() const;
 
   ros::WallDuration shortest_;  // from one cycle to the next
   ros::WallDuration credit_;    // so far back the rate is made up for
   ros::SteadyTime last_, allowed_, caught_up_, ended_;
-  ros::WallDuration length_;  // of the last answer that was a cycle
+  // Of the last answer that was a cycle, and the shorter of it and the one before: not to take a
+  // stall of the machine for a long cycle.
+  ros::WallDuration former_length_, length_;
   bool has_unanswered_ = false, is_complete_ = false;
   ros::SteadyTime first_unanswered_, last_message_;
   ros::SteadyTime allowed_for_each_;  // what allowed_ would be with a cycle for each message

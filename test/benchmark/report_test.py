@@ -3,11 +3,13 @@
 
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "benchmark"))
 
 import report
+import report_plots
 
 
 def organ(triangles, theirs, ours):
@@ -33,9 +35,11 @@ class Report(unittest.TestCase):
 
     def test_a_latency_that_is_that_of_lost_tips_is_lost_and_misses(self):
         node = {"load": 0.5, "triangles": 128, "instruments": 8, "messages": 1, "updates_hz": 60, "sent": 100, "lost": 2,
-                "p50_us": 130.0, "p99_us": None, "p999_us": None, "max_us": None, "cycle_p50_us": 10.0, "cycle_p99_us": 50.0}
+                "histogram_us": [[125.9, 60], [141.3, 38]], "p50_us": 130.0, "p99_us": None, "p999_us": None, "max_us": None, "cycle_p50_us": 10.0, "cycle_p99_us": 50.0}
         results = {"organs": {}, "node_latency": {"busy": node}}
         self.assertIn("| 0.130 | lost | lost | lost |", report.latency(results))
+        with tempfile.TemporaryDirectory() as folder:
+            report_plots.draw_latency(results["node_latency"], pathlib.Path(folder) / "latency.svg")
         verdicts = {row[0]: row[3] for row in report.other_targets(results)}
         self.assertEqual(verdicts["node end to end, busy, median [ms]"], "held")
         self.assertEqual(verdicts["node end to end, busy, 99 % [ms]"], "**missed**")

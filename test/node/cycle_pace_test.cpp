@@ -159,10 +159,14 @@ TEST_F(CrowdedPace, HasRoomBetweenWhereTheRateAllowsTwoAndAnswersAreShort) {
   pace_.noteMessage(after(1.0));
   EXPECT_FALSE(pace_.hasRoomBetween(after(1.0005)));
   EXPECT_TRUE(pace_.hasRoomBetween(after(1.0045)));
-  pace_.noteCycle(after(1.0045));
-  pace_.noteAnswer(after(1.0045), after(1.0051));
-  pace_.noteMessage(after(1.006));
-  EXPECT_FALSE(pace_.hasRoomBetween(after(1.02)));
+  const auto has_room_after_a_long_answer = [&](double began) {
+    pace_.noteCycle(after(began));
+    pace_.noteAnswer(after(began), after(began + 0.0006));
+    pace_.noteMessage(after(began + 0.001));
+    return pace_.hasRoomBetween(after(began + 0.01));
+  };
+  EXPECT_TRUE(has_room_after_a_long_answer(1.0045));  // the machine may have stalled
+  EXPECT_FALSE(has_room_after_a_long_answer(1.0145));
 }
 
 TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
@@ -176,6 +180,8 @@ TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
   EXPECT_FALSE(pace.isPrompt(after(1.0007)));
   EXPECT_TRUE(pace.isPrompt(after(1.0009)));
   answer(2.0, 0.0006);
+  EXPECT_TRUE(pace.isPrompt(after(2.01)));  // the machine may have stalled
+  answer(2.1, 0.0006);
   EXPECT_FALSE(pace.isPrompt(after(3.0)));
   pace.noteAnswer(after(3.0), after(3.00001));  // a look without a cycle
   EXPECT_FALSE(pace.isPrompt(after(3.1)));
