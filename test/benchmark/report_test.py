@@ -35,7 +35,8 @@ class Report(unittest.TestCase):
 
     def test_a_latency_that_is_that_of_lost_tips_is_lost_and_misses(self):
         node = {"load": 0.5, "triangles": 128, "instruments": 8, "messages": 1, "updates_hz": 60, "sent": 100, "lost": 2,
-                "histogram_us": [[125.9, 60], [141.3, 38]], "p50_us": 130.0, "p99_us": None, "p999_us": None, "max_us": None, "cycle_p50_us": 10.0, "cycle_p99_us": 50.0}
+                "histogram_us": [[125.9, 60], [141.3, 38]], "p50_us": 130.0, "p99_us": None, "p999_us": None, "max_us": None,
+                "cycle_p50_us": 10.0, "cycle_p99_us": 50.0}
         results = {"organs": {}, "node_latency": {"busy": node}}
         self.assertIn("| 0.130 | lost | lost | lost |", report.latency(results))
         with tempfile.TemporaryDirectory() as folder:
