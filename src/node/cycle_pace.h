@@ -33,8 +33,8 @@ class CyclePace {
   bool isBehind(ros::SteadyTime now) const;
 
   /// The thread that brings a pose may answer it, which keeps that thread from all else: one
-  /// of the last two cycles took less than half a millisecond, and it is over for as long. Not
-  /// where messages are crowded, until they are complete.
+  /// of the last two cycles took less than half a millisecond, and the last has been over for as
+  /// long. Not where messages are crowded, until they are complete.
   bool isPrompt(ros::SteadyTime now) const;
 
   /// One that may have brought poses.

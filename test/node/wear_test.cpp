@@ -50,8 +50,8 @@ TEST(Wear, IsNoneWhereNothingHasMoved) {
   EXPECT_GT(wear->exact_duration, 0.0);
 }
 
-/// A look at the clock of a thread takes as long as some queries: it is none of theirs.
-TEST(Wear, TakesWhatAQueryCostsAndNotTheClock) {
+/// A look at the clock of a thread takes as long as some queries.
+TEST(Wear, TakesWhatAQueryCostsAndLittleOfTheClock) {
   const CollisionMesh organ(test::blob(4));
   const std::vector<Question> questions = questionsNear(organ, Accuracy::exact());
   const std::vector<Question> some(questions.begin(), questions.begin() + 16);
