@@ -31,12 +31,8 @@ std::string robotDescription(const ros::NodeHandle& node) {
   return description;
 }
 
-std::filesystem::path resolve(const std::string& url, const io::Scene& scene) {
-  return io::resolveMesh(url, findPackage, scene.mesh_root);
-}
-
 core::TriangleMesh load(const std::string& url, double scale, const io::Scene& scene) {
-  const std::filesystem::path file = resolve(url, scene);
+  const std::filesystem::path file = io::resolveMesh(url, findPackage, scene.mesh_root);
   ROS_INFO("reading %s", file.c_str());
   return io::loadMesh(file, scale);
 }
@@ -92,16 +88,6 @@ core::Shapes shapesOf(const io::Instrument& instrument, const io::Scene& scene,
     return {meshShape(load(file->url, file->scale, scene), instrument.convex, build_time)};
   return shapesOfLink(instrument, std::get<io::RobotLink>(instrument.geometry).name, scene, node,
                       build_time);
-}
-
-/// What is not built must be there all the same.
-void requireMeshes(const io::Instrument& instrument, const io::Scene& scene,
-                   const ros::NodeHandle& node) {
-  if (const auto* file = std::get_if<io::MeshFile>(&instrument.geometry)) resolve(file->url, scene);
-  if (const auto* link = std::get_if<io::RobotLink>(&instrument.geometry)) {
-    for (const io::LinkPiece& piece : io::linkPieces(robotDescription(node), link->name))
-      if (const auto* mesh = std::get_if<io::LinkMesh>(&piece)) resolve(mesh->url, scene);
-  }
 }
 
 /// Such as are probably not in metres.
@@ -164,12 +150,9 @@ Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node)
   for (const io::Instrument& instrument : scene.instruments) {
     const std::size_t i = instruments.size();
     instruments.push_back({instrument.name, instrument.frame, {}, 0.0});
+    if (!isInAPair(scene, i)) continue;
     try {
-      if (isInAPair(scene, i))
-        instruments.back().shapes =
-            shapesOf(instrument, scene, node, instruments.back().build_time);
-      else
-        requireMeshes(instrument, scene, node);
+      instruments.back().shapes = shapesOf(instrument, scene, node, instruments.back().build_time);
     } catch (const std::exception& error) {
       throw std::runtime_error(pathOf("instruments", i, instrument) + ": " + error.what());
     }

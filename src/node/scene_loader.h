@@ -17,8 +17,7 @@ io::Scene readScene(const ros::NodeHandle& private_node);
 /// std::exception naming the key's path and the resolved one.
 Organs loadOrgans(const io::Scene& scene, const ros::NodeHandle& node);
 
-/// The same for the instruments that a pair names; of the others, no more than that their meshes
-/// are there.
+/// The same for the instruments that a pair names.
 Instruments loadInstruments(const io::Scene& scene, const ros::NodeHandle& node);
 
 }  // namespace organ_collision::node
