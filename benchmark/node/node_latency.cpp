@@ -11,6 +11,7 @@
 #include <ros/ros.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -213,9 +214,12 @@ class Listener {
 };
 
 struct Result {
-  std::vector<double> latencies;  // [s] of each tip that was sent; kLost: of a lost one
-  std::size_t lost = 0;
+  std::vector<double> latencies;          // [s] of each tip that was sent; kLost: of a lost one
   std::vector<double> computation_times;  // [s] of a cycle
+
+  std::size_t lost() const {
+    return static_cast<std::size_t>(std::count(latencies.begin(), latencies.end(), kLost));
+  }
 };
 
 Result resultOf(const std::vector<ros::Time>& sent, const Listener& listener) {
@@ -226,12 +230,11 @@ Result resultOf(const std::vector<ros::Time>& sent, const Listener& listener) {
     if (stamp < first) continue;
     for (std::size_t i = 0; i < kInstruments; ++i) {
       const auto heard = listener.heard(i).find(stamp);
-      const bool is_lost = heard == listener.heard(i).end();
-      result.latencies.push_back(is_lost ? kLost : heard->second);
-      if (is_lost) ++result.lost;
+      result.latencies.push_back(heard == listener.heard(i).end() ? kLost : heard->second);
     }
   }
-  if (result.lost == result.latencies.size()) throw std::runtime_error("the node answered nothing");
+  if (result.lost() == result.latencies.size())
+    throw std::runtime_error("the node answered nothing");
   return result;
 }
 
@@ -284,7 +287,7 @@ std::string json(const Result& result, std::size_t triangles, std::size_t messag
          ",\n  \"updates_hz\": " + tools::significant(update_rate) +
          ",\n  \"load\": " + tools::significant(load) +
          ",\n  \"sent\": " + std::to_string(latencies.size()) +
-         ",\n  \"lost\": " + std::to_string(result.lost) +
+         ",\n  \"lost\": " + std::to_string(result.lost()) +
          ",\n  \"p50_us\": " + us(latencies, 0.5) + ",\n  \"p99_us\": " + us(latencies, 0.99) +
          ",\n  \"p999_us\": " + us(latencies, 0.999) + ",\n  \"max_us\": " + us(latencies, 1.0) +
          ",\n  \"cycle_p50_us\": " + us(result.computation_times, 0.5) +

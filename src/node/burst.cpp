@@ -1,22 +1,31 @@
 #include "node/burst.h"
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 namespace organ_collision::node {
 
 void Burst::noteAnswer() {
-  if (moved_.empty()) return;
-  expected_.clear();
-  std::set_intersection(moved_.begin(), moved_.end(), former_.begin(), former_.end(),
-                        std::inserter(expected_, expected_.end()));
-  former_.swap(moved_);
-  moved_.clear();
+  const auto has_moved = [](const auto& frame) { return frame.second.has_moved; };
+  if (std::none_of(frames_.begin(), frames_.end(), has_moved)) return;
+  for (auto& [name, frame] : frames_) {
+    frame.is_expected = frame.has_moved && frame.had_moved;
+    frame.had_moved = std::exchange(frame.has_moved, false);
+  }
+}
+
+bool Burst::holds(const std::string& frame) const {
+  const auto found = frames_.find(frame);
+  return found != frames_.end() && found->second.has_moved;
 }
 
 bool Burst::isComplete() const {
-  return !expected_.empty() &&
-         std::includes(moved_.begin(), moved_.end(), expected_.begin(), expected_.end());
+  bool expects_any = false;
+  for (const auto& [name, frame] : frames_) {
+    if (frame.is_expected && !frame.has_moved) return false;
+    expects_any = expects_any || frame.is_expected;
+  }
+  return expects_any;
 }
 
 }  // namespace organ_collision::node

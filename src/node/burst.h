@@ -1,6 +1,6 @@
 #pragma once
 
-#include <set>
+#include <map>
 #include <string>
 
 namespace organ_collision::node {
@@ -9,19 +9,23 @@ namespace organ_collision::node {
 /// one right after another: which they are, the last bursts tell.
 class Burst {
  public:
-  void noteMove(const std::string& frame) { moved_.insert(frame); }
+  void noteMove(const std::string& frame) { frames_[frame].has_moved = true; }
   /// All that has moved is looked at.
   void noteAnswer();
 
-  bool holds(const std::string& frame) const { return moved_.count(frame) > 0; }
+  bool holds(const std::string& frame) const;
   /// All have moved that did before each of the last two answers to any: no more are likely to come
-  /// with them. Never where there are none such.
+  /// with them. Never where there are none such. O(frames), as noteAnswer().
   bool isComplete() const;
 
  private:
-  std::set<std::string> moved_;
-  std::set<std::string> former_;    // before the last answer to any
-  std::set<std::string> expected_;  // then, and before the one before that
+  struct Frame {
+    bool has_moved = false;
+    bool had_moved = false;    // before the last answer to any
+    bool is_expected = false;  // had, and before the one before that
+  };
+
+  std::map<std::string, Frame> frames_;  // that ever moved: nothing is allocated for others
 };
 
 }  // namespace organ_collision::node

@@ -136,7 +136,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
     for (std::string& complaint :
          intake_.take(message, event.getPublisherName(), is_static, ros::Time::now()))
       complainOfTf(std::move(complaint));
-    if (intake_.isComplete()) pace_.noteComplete();
+    if (pace_.isGathering() && intake_.isComplete()) pace_.noteComplete();
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));

@@ -18,6 +18,11 @@ inline core::RigidMesh box(const Eigen::Vector3d& size,
   return {std::make_shared<const core::CollisionMesh>(io::boxMesh(size)), pose, true};
 }
 
+inline core::RigidMesh cylinder(double radius, double length, const Eigen::Isometry3d& pose) {
+  return {std::make_shared<const core::CollisionMesh>(io::prismMesh(radius, length, 32)), pose,
+          true};
+}
+
 inline Eigen::Isometry3d at(double x, double y, double z) {
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
 }

@@ -11,7 +11,6 @@
 #include "convex/tool_proximity.h"
 #include "convex_shapes.h"
 #include "core/organs_and_tips.h"
-#include "io/primitive_mesh.h"
 #include "test_meshes.h"
 
 namespace organ_collision::convex {
@@ -28,12 +27,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using test::queryCount;
 
-constexpr double kDepth = 1e-4 * kSize;  // [m] how well EPA finds a depth
-constexpr double kRounding = 1e-14;      // [m] of coordinates of that size
-
-RigidMesh cylinder(double radius, double length, const Isometry3d& pose) {
-  return {std::make_shared<const CollisionMesh>(io::prismMesh(radius, length, 32)), pose, true};
-}
+constexpr double kRounding = 1e-14;  // [m] of coordinates of that size
 
 TEST(HullProximity, OfTwoBoxesIsTheGapBetweenThem) {
   const auto apart = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.25, 0, 2)));
@@ -46,10 +40,10 @@ TEST(HullProximity, OfTwoBoxesIsTheGapBetweenThem) {
 
 TEST(HullProximity, OfTwoBoxesThatOverlapIsTheirDepth) {
   const auto deep = hullProximity(box({1, 1, 1}), box({1, 1, 1}, at(0.0625, 0.03125, 0.75)));
-  EXPECT_NEAR(deep.distance, -0.25, kDepth);
-  EXPECT_NEAR(deep.normal.z(), 1.0, kDepth);
-  EXPECT_NEAR(deep.point_on_first.z(), 0.5, kDepth);
-  EXPECT_NEAR(deep.point_on_second.z(), 0.25, kDepth);
+  EXPECT_NEAR(deep.distance, -0.25, kTight);
+  EXPECT_NEAR(deep.normal.z(), 1.0, kTight);
+  EXPECT_NEAR(deep.point_on_first.z(), 0.5, kTight);
+  EXPECT_NEAR(deep.point_on_second.z(), 0.25, kTight);
   EXPECT_TRUE(deep.colliding);
 }
 
@@ -250,66 +244,6 @@ TEST(HullProximity, OfCrossingShaftsFollowsThemThroughTheTouch) {
   }
 }
 
-/// Some points of a plane, the first in the middle.
-RigidMesh polygon(std::mt19937& generator, const Isometry3d& pose, std::size_t count) {
-  Points points = {Vector3d::Zero()};
-  std::vector<core::Corners> triangles;
-  for (std::size_t i = 1; i <= count; ++i) {
-    points.push_back(0.5 * test::randomPoint(generator, 1.0).cwiseProduct(Vector3d(1, 1, 0)));
-    triangles.push_back(test::corners(0, i, i % count + 1));
-  }
-  return {std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)), pose, true};
-}
-
-TEST(HullProximity, OfPolygonsInOnePlaneIsThatTheyTouch) {
-  std::mt19937 generator(99);
-  for (std::size_t i = 0; i < queryCount(1000); ++i) {
-    const Isometry3d pose = test::randomPose(generator, 0.5);
-    const Isometry3d aside = pose * Eigen::Translation3d(0.25, 0, 0);
-    const RigidMesh first = polygon(generator, pose, 3 + generator() % 18);
-    const RigidMesh second = polygon(generator, aside, 3 + generator() % 18);
-    const Proximity found = hullProximity(first, second);
-    ASSERT_GE(found.distance, -kTight);
-    ASSERT_LE(found.distance, core::proximity(first, second).distance + kTight);
-    ASSERT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
-    const Proximity same = hullProximity(first, polygon(generator, pose, 3 + generator() % 18));
-    ASSERT_NEAR(same.lower_bound, 0.0, kTight);  // the middles meet
-    ASSERT_NEAR(same.upper_bound, 0.0, kTight);
-    ASSERT_NEAR((same.point_on_second - same.point_on_first).norm(), 0.0, kTight);
-  }
-}
-
-TEST(HullProximity, OfWhatHasNoSizeThatHasAnInverseIsANumber) {
-  const double tiny = std::numeric_limits<double>::denorm_min();
-  const core::TriangleMesh point({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {test::corners(0, 1, 2)});
-  const RigidMesh mesh{std::make_shared<const CollisionMesh>(point), Isometry3d::Identity(), true};
-  const Proximity found =
-      hullProximity(core::Triangle{{tiny, 0, 0}, {0, tiny, 0}, {0, 0, tiny}}, mesh);
-  EXPECT_NEAR(found.distance, 0.0, kTight);
-  EXPECT_NEAR(found.lower_bound, 0.0, kTight);
-  EXPECT_TRUE(found.point_on_first.allFinite() && found.point_on_second.allFinite());
-}
-
-TEST(HullProximity, OfFlatHullsInOnePlaneIsThatTheyTouch) {
-  std::mt19937 generator(98);
-  const auto flat = [](const Isometry3d& pose, const Vector3d& corner) {
-    const core::TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, corner}, {test::corners(0, 1, 2)});
-    return RigidMesh{std::make_shared<const CollisionMesh>(mesh), pose, true};
-  };
-  for (std::size_t i = 0; i < queryCount(200); ++i) {
-    const Isometry3d pose = test::randomPose(generator, 0.5);
-    for (const Vector3d& corner : {Vector3d(0, 1, 0), Vector3d(0.5, 0, 0), Vector3d(0, 0, 0)}) {
-      for (const Shape& other :
-           {Shape(flat(pose, {0.25, 0.5, 0})), Shape(Sphere{pose * Vector3d(0, 0, 0), 0}),
-            Shape(Capsule{pose * Vector3d(-1, 0, 0), pose * Vector3d(1, 0, 0), 0})}) {
-        const Proximity found = hullProximity(flat(pose, corner), other);
-        ASSERT_NEAR(found.lower_bound, 0.0, kTight);
-        ASSERT_NEAR(found.upper_bound, 0.0, kTight);
-      }
-    }
-  }
-}
-
 TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
   std::mt19937 generator(92);
   for (std::size_t i = 0; i < queryCount(500); ++i) {
@@ -322,41 +256,8 @@ TEST(HullProximity, SwappedSwapsThePointsAndTurnsTheNormal) {
     ASSERT_NEAR((there.normal + back.normal).norm(), 0.0,
                 1e-2);  // kGjk over the distance, its root
     for (const Proximity& found : {there, back})
-      ASSERT_NEAR(
-          (found.point_on_second - found.point_on_first - found.distance * found.normal).norm(),
-          0.0, 1e-2 * kSize);
+      ASSERT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
   }
-}
-
-RigidMesh hullOf(const Points& points) {
-  std::vector<core::Corners> triangles;
-  for (unsigned i = 2; i < points.size(); ++i) triangles.push_back(test::corners(0, i - 1, i));
-  return {std::make_shared<const CollisionMesh>(core::TriangleMesh(points, triangles)),
-          Isometry3d::Identity(), true};
-}
-
-/// EPA may come to an end at one of them, and take the points from another.
-TEST(HullProximity, OfSeveralWaysOutAsShortTellsOneWithItsPoints) {
-  const RigidMesh one = hullOf({{1, 1, 0}, {2, 0, 1}, {1, 1, 1}, {1, 0, 1}});
-  const RigidMesh other = hullOf({{0, 0, 1}, {2, 0, 1}, {2, 1, 2}, {2, 2, 1}});
-  for (const RigidMesh& mesh : {one, other}) {
-    const Proximity found = hullProximity(mesh, mesh);
-    EXPECT_NEAR(found.lower_bound, found.upper_bound, kTight);
-    EXPECT_NEAR(
-        (found.point_on_second - found.point_on_first - found.distance * found.normal).norm(), 0.0,
-        kTight);
-  }
-  EXPECT_NEAR(hullProximity(one, one).distance, -std::sqrt(1.0 / 3.0), kTight);
-}
-
-/// Its gap is higher by a rounding along a normal whose points are any corners.
-TEST(HullProximity, OfASpeckBesideANeedleTellsPointsThatAreNear) {
-  const RigidMesh needle = hullOf({{1, 2, 2}, {1, 0, 2}, {1, 1, 2}});
-  const Vector3d speck(0.99999980541882461, 1.0000007042327332, 2.0000008122741755);
-  const Vector3d end(0.999999122823931, 0.99999989627568187, 1.999999546148536);
-  const Proximity found = hullProximity(needle, hullOf({speck, end, speck}));
-  EXPECT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
-  EXPECT_NEAR((found.point_on_first - Vector3d(1, 1, 2)).norm(), 0.0, 1e-5);
 }
 
 TEST(HullProximity, RefusesWhatOtherPairsRefuse) {
@@ -371,39 +272,6 @@ TEST(HullProximity, RefusesWhatOtherPairsRefuse) {
   }
 }
 
-Isometry3d posed(const Eigen::Matrix<double, 3, 4>& rows) {
-  Isometry3d pose = Isometry3d::Identity();
-  pose.matrix().topRows<3>() = rows;
-  return pose;
-}
-
-/// Of a hundred thousand random pairs those for which FCL's GJK and its EPA ended too early.
-TEST(HullProximity, IsProvenWhereGjkAndEpaEndTooEarly) {
-  Eigen::Matrix<double, 3, 4> first;
-  first << -0.23914759348103798, 0.3166256288477603, 0.91790884062034661, -0.28621546931968611,
-      0.9708923176991886, 0.065039990793976599, 0.23051660901162385, -0.49576562475062175,
-      0.013286683744501926, 0.94631813400900244, -0.32296354791337306, 0.13764815501427308;
-  Eigen::Matrix<double, 3, 4> second;
-  second << -0.057851523840735664, 0.89233280931477543, 0.44765540163132778, -0.15895694156982604,
-      0.51043224646793217, 0.41180297111786379, -0.75490213587206134, 0.025696316443356459,
-      -0.85796976808918213, 0.1848255133873582, -0.47929886985689263, -0.16962131419822163;
-  Eigen::Matrix<double, 3, 4> third;
-  third << 0.97552888639128754, 0.020101838903566278, -0.21895046903094223, -0.055933007837591642,
-      -0.027238084016208298, 0.99918995253680321, -0.029623057381487329, 0.47829317679353167,
-      0.21817763083162423, 0.034861939449720554, 0.97528619726852672, -0.27827742789039811;
-  const Capsule through{{-0.041658367850324896, 0.45287476391606052, -0.31066301461764434},
-                        {0.13950724686418486, 0.31072036448364032, -0.2133431976885023},
-                        0.0625};
-  const std::vector<std::pair<Shape, Shape>> pairs = {
-      {cylinder(0.125, 0.5, posed(first)), cylinder(0.125, 0.5, posed(second))},
-      {through, box({0.25, 0.125, 0.0625}, posed(third))}};
-  for (const auto& [one, other] : pairs) {
-    for (const auto& found : {hullProximity(one, other), hullProximity(other, one)}) {
-      EXPECT_NEAR(found.lower_bound, found.upper_bound, kGjk);
-    }
-  }
-}
-
 TEST(HullProximity, DependsOnNoSize) {
   std::mt19937 generator(93);
   for (const double scale : {0x1p-20, 0x1p20}) {
@@ -413,7 +281,7 @@ TEST(HullProximity, DependsOnNoSize) {
     const auto usual = hullProximity(box({1, 2, 3}), Capsule{{4, 1, 0.5}, {4, 2, 3}, 0.25});
     const auto small_deep =
         hullProximity(box(scale * Vector3d(3, 3, 3)), Sphere{scale * Vector3d(0, 0.1, 1), scale});
-    EXPECT_NEAR(small_deep.distance, -1.5 * scale, kDepth * scale);
+    EXPECT_NEAR(small_deep.distance, -1.5 * scale, kTight * scale);
     EXPECT_EQ(small.distance, scale * usual.distance);
     EXPECT_EQ(small.lower_bound, scale * usual.lower_bound);
   }

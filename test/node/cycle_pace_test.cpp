@@ -137,6 +137,22 @@ TEST_F(CrowdedPace, WaitsNoLongerThanACycle) {
   EXPECT_NEAR((pace_.due() - after(1.0)).toSec(), 0.00099, 0.00002);
 }
 
+TEST_F(CrowdedPace, WaitsForTheRestHalfACycleAndHalfAMillisecondAtMost) {
+  burstsAnsweredWhole();
+  pace_.noteMessage(after(1.0));
+  pace_.noteMessage(after(1.0001));
+  EXPECT_NEAR((pace_.due() - after(1.0001)).toSec(), 0.5 / 1010.0, 1e-6);
+  CyclePace slow(100.0, kStart);
+  for (int i = 0; i < 300; ++i) {
+    slow.noteMessage(after(0.001 * i));
+    cyclesAt(slow, after(0.001 * i));
+  }
+  slow.noteAnswer(after(0.299), after(0.299));
+  slow.noteMessage(after(0.35));  // the rate allows an answer
+  ASSERT_TRUE(slow.isGathering());
+  EXPECT_NEAR((slow.due() - after(0.35)).toSec(), 0.0005, 1e-6);
+}
+
 TEST_F(CrowdedPace, AnswersWhatIsCompleteAtOnce) {
   burstsAnsweredWhole();
   pace_.noteMessage(after(1.0));

@@ -54,7 +54,7 @@ TEST(Wear, IsNoneWhereNothingHasMoved) {
 TEST(Wear, TakesWhatAQueryCostsAndLittleOfTheClock) {
   const CollisionMesh organ(test::blob(4));
   const std::vector<Question> questions = questionsNear(organ, Accuracy::exact());
-  const std::vector<Question> some(questions.begin(), questions.begin() + 16);
+  const std::vector<Question> some(questions.begin(), questions.begin() + 64);
   double cost = 1.0, told = 1.0;
   for (int i = 0; i < 20; ++i) {  // the least of some: other programs may disturb
     const CostStopwatch watch;
