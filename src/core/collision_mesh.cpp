@@ -152,10 +152,6 @@ void CollisionMesh::refitSome(const std::vector<VertexId>& moved, const Points& 
     return;
   }
   wide_tree_.refit(mesh_, touched);
-  if (isPerhapsFlat()) {
-    refitAll(box);
-    return;
-  }
   updateHealth(box);
 }
 

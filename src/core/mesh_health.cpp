@@ -38,7 +38,10 @@ double volumeOf(const TriangleMesh& mesh, const UnitFrame& frame) {
   double volume = 0.0;
   for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
     const Triangle triangle = mesh.triangle(static_cast<TriangleId>(i));
-    volume += frame(triangle.a).dot(frame(triangle.b).cross(frame(triangle.c)));
+    // By edges: of a part that is small against its distance from the centre, products of places
+    // would leave nothing.
+    const Eigen::Vector3d a = frame(triangle.a);
+    volume += a.dot((frame(triangle.b) - a).cross(frame(triangle.c) - a));
   }
   return volume;
 }

@@ -281,6 +281,39 @@ TEST(CollisionMesh, KnowsThatPartialRefitsTurnedItInsideOut) {
   EXPECT_TRUE(organ.health().inverted);
 }
 
+/// Two bodies, 1.5 apart, of 0.1 times that size.
+TriangleMesh twoBodies(double size, std::mt19937& generator) {
+  const Eigen::Vector3d apart(1.5, 0.3, 0.2);
+  return test::joined(test::placed(test::blob(2), size, test::randomPoint(generator, 0.2)),
+                      test::placed(test::blob(2), size, apart + test::randomPoint(generator, 0.2)));
+}
+
+TEST(CollisionMesh, KnowsWhetherItIsInvertedHoweverSmallItsPartsAre) {
+  std::mt19937 generator(1);
+  for (int exponent = 0; exponent > -40; exponent -= 2) {
+    for (int i = 0; i < 10; ++i) {
+      const TriangleMesh bodies = twoBodies(std::ldexp(1.0, exponent), generator);
+      EXPECT_FALSE(CollisionMesh(bodies).health().inverted) << exponent;
+      EXPECT_TRUE(CollisionMesh(test::turned(bodies)).health().inverted) << exponent;
+    }
+  }
+}
+
+TEST(CollisionMesh, KnowsItWhenPartialRefitsMadeItsPartsSmall) {
+  std::mt19937 generator(1);
+  for (int exponent = -12; exponent > -40; --exponent) {
+    const TriangleMesh large = twoBodies(3.0, generator);
+    const std::size_t half = large.positions().size() / 2;
+    CollisionMesh organ(large);
+    for (std::uint32_t i = 0; i < 2 * half; ++i) {
+      const Eigen::Vector3d& centre = large.positions()[i < half ? 0 : half];
+      organ.refit({VertexId{i}},
+                  {centre + std::ldexp(1.0, exponent) * (large.positions()[i] - centre)});
+    }
+    EXPECT_FALSE(organ.health().inverted) << exponent;
+  }
+}
+
 TEST(CollisionMesh, RebuildEqualsANewOne) {
   const Points deformed = twisted(test::blob(4).positions(), 20.0);
   CollisionMesh organ(test::blob(4));

@@ -55,8 +55,8 @@ class CollisionMesh {
   /// The same for some vertices: only what hangs on them is touched, the bounds above it and what
   /// they add to the health. `positions` [m] are those of `moved`, in its order; of a vertex that
   /// is there twice the last counts. O(k log n) for k vertices; O(n) where they leave the unit
-  /// frame or were all that reached a face of the mesh's box, for surfaces of pieces that touch or
-  /// that are perhaps flat, and after a refit that failed.
+  /// frame, where one of them was on a face of the mesh's box that none of them reaches any more,
+  /// for surfaces of pieces that touch or that are perhaps flat, and after a refit that failed.
   void refit(const std::vector<VertexId>& moved, const Points& positions);
 
   /// Splits anew for the positions as they are, or throws std::bad_alloc and changes nothing. Costs
