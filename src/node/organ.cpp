@@ -164,16 +164,16 @@ Organ::Applied Organ::replace(core::TriangleMesh mesh, std::uint32_t expected_ve
   const Lock building(building_);
   applyPending();
   requireVersion(expected_version);
-  const std::shared_ptr<const OrganSnapshot> former = snapshot();
-  const std::uint32_t version = former->version + 1;
+  const std::uint32_t version = snapshot()->version + 1;
   const std::size_t vertex_count = built.organ.mesh().positions().size();
   PendingMoves pending(vertex_count);
   MoveLog log(vertex_count, version);
   Applied applied = {version, Action::kRebuild, "new topology", watch.elapsed()};
   publishBuilt({std::move(built.organ), version, applied.action, applied.reason, applied.duration,
-                former->hierarchy + 1},
+                snapshot()->hierarchy + 1},
                built.cost);
   // The new mesh is there, and nothing below needs memory.
+  snapshots_.trim();  // of the former one nothing is needed here any more
   log_ = std::move(log);
   refit_policy_ = RefitPolicy(built.refit_cost);
   const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -188,6 +188,7 @@ bool Organ::work() {
   const bool moved = applyPending();
   std::string told;
   rebuildIfDue(told);
+  snapshots_.trim();  // of what a reader has let go since
   return rebuilt || moved;
 }
 

@@ -34,14 +34,18 @@ std::unique_ptr<OrganSnapshot> Snapshots::Shelf::take() {
   return latest;
 }
 
-void Snapshots::Shelf::trim() {
+void Snapshots::Shelf::trim(const core::MeshTopology& topology) {
   while (true) {
-    std::unique_ptr<OrganSnapshot> oldest;  // freed after the lock
+    std::unique_ptr<OrganSnapshot> useless;  // freed after the lock
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (spares_.size() <= kSpares) return;
-    const auto least = std::min_element(spares_.begin(), spares_.end(), isOlder);
-    oldest = std::move(*least);
-    spares_.erase(least);
+    auto found = std::find_if(spares_.begin(), spares_.end(), [&topology](const auto& spare) {
+      return &spare->organ.topology() != &topology;
+    });
+    if (found == spares_.end() && spares_.size() > kSpares)
+      found = std::min_element(spares_.begin(), spares_.end(), isOlder);
+    if (found == spares_.end()) return;
+    useless = std::move(*found);
+    spares_.erase(found);
   }
 }
 
@@ -57,7 +61,7 @@ std::shared_ptr<const OrganSnapshot> Snapshots::current() const {
 std::unique_ptr<OrganSnapshot> Snapshots::writable() {
   const std::shared_ptr<const OrganSnapshot> now = current();
   std::unique_ptr<OrganSnapshot> spare = shelf_->take();
-  // That of another mesh would keep its memory, however large that was.
+  // That of another mesh, which a reader has just let go, would keep its memory.
   if (!spare || &spare->organ.topology() != &now->organ.topology())
     return std::make_unique<OrganSnapshot>(*now);
   if (spare->hierarchy != now->hierarchy) *spare = *now;  // into the memory that it has
@@ -82,8 +86,10 @@ std::shared_ptr<const OrganSnapshot> Snapshots::publish(std::unique_ptr<OrganSna
     current_.swap(former);
   }
   former.reset();
-  shelf_->trim();
+  trim();
   return published;
 }
+
+void Snapshots::trim() { shelf_->trim(current()->organ.topology()); }
 
 }  // namespace organ_collision::node

@@ -42,6 +42,10 @@ class Snapshots {
   /// Or throws std::bad_alloc, and nothing is published.
   std::shared_ptr<const OrganSnapshot> publish(std::unique_ptr<OrganSnapshot> next);
 
+  /// Frees former states that cannot be of use: those of another mesh, and of others the oldest.
+  /// For the thread that writes; readers, which come back with more of them, never free.
+  void trim();
+
  private:
   /// Former states that nobody reads.
   class Shelf {
@@ -50,8 +54,8 @@ class Snapshots {
     void put(std::unique_ptr<OrganSnapshot> spare);
     /// The latest of the newest splits.
     std::unique_ptr<OrganSnapshot> take();
-    /// Frees what is more than two could use.
-    void trim();
+    /// Frees those of other meshes than `topology`'s, and what is more than two could use.
+    void trim(const core::MeshTopology& topology);
 
    private:
     std::mutex mutex_;  // held for pointers' copies: who puts may be a query

@@ -110,9 +110,10 @@ VertexMoves MoveLog::since(std::uint32_t version, VertexMoves moves, const core:
   if (version < reaches_back_to_) return {{}, moved(latest, moves)};
   seen_.clear();
   for (const core::VertexId vertex : moves.vertices) seen_.insert(vertex);
-  for (const Entry& entry : entries_) {
-    if (entry.version <= version) continue;
-    for (const core::VertexId vertex : entry.vertices) {
+  // From the newest on: of many versions, most often only the last is asked for.
+  for (auto entry = entries_.rbegin(); entry != entries_.rend() && entry->version > version;
+       ++entry) {
+    for (const core::VertexId vertex : entry->vertices) {
       if (!seen_.insert(vertex)) continue;
       moves.vertices.push_back(vertex);
       moves.positions.push_back(latest[core::index(vertex)]);

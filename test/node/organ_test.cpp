@@ -5,11 +5,13 @@
 #include <tbb/task_scheduler_observer.h>
 
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <random>
 #include <stdexcept>
 
+#include "allocated_memory.h"
 #include "node/cube_organ.h"
 #include "node/moves.h"
 #include "organ_collision/core/tracking.h"
@@ -155,6 +157,32 @@ TEST(Organ, TakesANewTopology) {
     organ.update({{}, test::blob(2).positions()}, UpdateMode::kRefit, 0);
     organ.update(movesOf({65}, {{0, 0, z}}), UpdateMode::kRefit, 0);
     EXPECT_EQ(organ.snapshot()->organ.mesh().positions()[65].z(), z);
+  }
+}
+
+TEST(Organ, KeepsNoMemoryOfAMeshThatWasReplaced) {
+  const core::TriangleMesh large = test::blob(6);
+  const std::size_t before = test::allocatedMemory();
+  Organ organ("liver", "liver_frame", large);
+  const std::size_t of_one = organ.snapshot()->organ.memory();
+  for (int i = 0; i < 3; ++i) organ.update({{}, crushed(large.positions())}, UpdateMode::kRefit, 0);
+  auto reader = organ.snapshot();
+  organ.replace(test::cube(), 0);
+  EXPECT_LT(test::allocatedMemory(), before + of_one + of_one / 2) << "but for what is read";
+  reader.reset();
+  organ.work();
+  EXPECT_LT(test::allocatedMemory(), before + of_one / 2);
+}
+
+TEST(Organ, HasTravelledNoLessThanItsVerticesMovedTogether) {
+  Organ organ = cube();
+  long double travel = 0.0L;
+  for (int i = 1; i <= 1000; ++i) {
+    const Points before = organ.snapshot()->organ.mesh().positions();
+    organ.update(movesOf({0}, {{0.1 / i, 0, 0}}), UpdateMode::kRefit, 0);
+    const long double from = before[0].x();
+    travel += std::abs(organ.snapshot()->organ.mesh().positions()[0].x() - from);
+    ASSERT_GE(organ.snapshot()->travel, travel) << i;
   }
 }
 

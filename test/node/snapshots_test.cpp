@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "allocated_memory.h"
 #include "test_meshes.h"
 
 namespace organ_collision::node {
@@ -70,15 +71,37 @@ TEST(Snapshots, WhatIsWrittenAfterARebuildHasItsSplits) {
   EXPECT_EQ(snapshots.writable()->hierarchy, 2U) << "though former ones of the same mesh lie there";
 }
 
-TEST(Snapshots, KeepNoMemoryOfAFormerMesh) {
+TEST(Snapshots, KeepNoMoreThanTwoThatNobodyReads) {
   Snapshots snapshots({core::CollisionMesh(test::blob(6)), 1, Action::kLoad, "loaded", 0.0});
-  publishNext(snapshots);
-  for (int i = 0; i < 3; ++i) {
-    snapshots.publish(std::make_unique<OrganSnapshot>(
-        OrganSnapshot{core::CollisionMesh(test::cube()), 3, Action::kLoad, "", 0.0, 2}));
-    const auto next = snapshots.writable();
-    EXPECT_LE(next->organ.memory(), 2 * core::CollisionMesh(test::cube()).memory());
+  const std::size_t of_one = snapshots.current()->organ.memory();
+  const std::size_t before = test::allocatedMemory();
+  std::vector<std::shared_ptr<const OrganSnapshot>> readers;
+  for (int i = 0; i < 8; ++i) {
+    readers.push_back(snapshots.current());
+    publishNext(snapshots);
   }
+  readers.clear();
+  publishNext(snapshots);
+  EXPECT_LE(test::allocatedMemory(), before + 2 * of_one + of_one / 2);
+}
+
+TEST(Snapshots, KeepNoMemoryOfAFormerMesh) {
+  const std::size_t before = test::allocatedMemory();
+  Snapshots snapshots({core::CollisionMesh(test::blob(6)), 1, Action::kLoad, "loaded", 0.0});
+  const std::size_t of_one = snapshots.current()->organ.memory();
+  std::vector<std::shared_ptr<const OrganSnapshot>> readers;
+  for (int i = 0; i < 3; ++i) {
+    readers.push_back(snapshots.current());
+    publishNext(snapshots);
+  }
+  snapshots.publish(std::make_unique<OrganSnapshot>(
+      OrganSnapshot{core::CollisionMesh(test::cube()), 3, Action::kLoad, "", 0.0, 2}));
+  readers.pop_back();
+  const auto next = snapshots.writable();
+  EXPECT_LE(next->organ.memory(), 2 * core::CollisionMesh(test::cube()).memory());
+  readers.clear();
+  snapshots.trim();
+  EXPECT_LT(test::allocatedMemory(), before + of_one / 2);
 }
 
 TEST(Snapshots, OutliveTheirOwnerWithTheirReaders) {

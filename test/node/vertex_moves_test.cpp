@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "node/moves.h"
+#include "test_meshes.h"
 
 namespace organ_collision::node {
 namespace {
@@ -39,6 +40,15 @@ TEST(VertexMoves, AreAsFarAsTheFarthestVertexMoves) {
   EXPECT_GE(farthest({{}, all}, line()), 2.0);
   EXPECT_DOUBLE_EQ(farthest({{VertexId{3}, VertexId{1}}, {all[3], all[1]}}, line()), 0.5);
   EXPECT_EQ(farthest({{}, line()}, line()), 0.0);
+}
+
+TEST(VertexMoves, AreNoLessFarThanTheyAre) {
+  std::mt19937 generator(1);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d to = test::randomPoint(generator, 1.0);
+    const auto exact = to.cast<long double>().norm();
+    EXPECT_GE(farthest({{VertexId{0}}, {to}}, line()), exact);
+  }
 }
 
 TEST(VertexSet, KnowsItsMembersAndForgetsThemAtOnce) {
