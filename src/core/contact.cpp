@@ -138,9 +138,11 @@ Contact contactOf(const Asker& asker, const Shape& shape, const Accuracy& accura
   return {nearest, colliding, colliding || (nearest.lower_bound > 0.0 && knows_side)};
 }
 
-/// What overlaps is as near as can be: only a sign tells how deep.
-Contact notBelowZero(Contact contact) {
+/// A sign is proven where both bounds have it: that of a core may not be that of the shape around
+/// it. Without one, what overlaps is as near as can be: only a sign tells how deep.
+Contact withProvenSign(Contact contact) {
   NearestTriangle& nearest = contact.nearest;
+  if (nearest.lower_bound < 0.0 && nearest.upper_bound > 0.0) nearest.distance_signed = false;
   if (nearest.distance_signed) return contact;
   for (double* distance : {&nearest.distance, &nearest.lower_bound, &nearest.upper_bound})
     *distance = std::max(*distance, 0.0);
@@ -188,13 +190,13 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
   whole.nearest.work = work;
   whole.colliding = any_colliding;
   whole.colliding_certain = any_colliding || all_certain;
-  return notBelowZero(whole);
+  return withProvenSign(whole);
 }
 
 }  // namespace
 
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy) {
-  return notBelowZero(contactOf(Asker(organ), shape, accuracy));
+  return withProvenSign(contactOf(Asker(organ), shape, accuracy));
 }
 
 Contact contact(const CollisionMesh& organ, const Shapes& shapes,

@@ -179,6 +179,9 @@ TEST(Contact, BoundsOfRoundShapesHoldTheTruthAtEverySetting) {
                                     : std::max(std::abs(exact + round.radius) - round.radius, 0.0);
         ASSERT_LE(found.nearest.lower_bound, expected + slack);
         ASSERT_GE(found.nearest.upper_bound, expected - slack);
+        if (found.nearest.distance_signed) {
+          ASSERT_TRUE((found.nearest.distance < 0.0) == (exact < 0.0) || std::abs(exact) <= slack);
+        }
         if (found.colliding_certain) {
           ASSERT_TRUE(found.colliding == (exact <= 0.0) || std::abs(exact) <= slack);
         }
