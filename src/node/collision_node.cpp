@@ -21,9 +21,9 @@ constexpr double kMeshInfoPeriod = 0.1;     // [s] at which refused updates are 
 constexpr double kComplaintPeriod = 0.1;    // [s]
 constexpr double kMasterPeriod = 1.0;       // [s] between two questions whether it knows this node
 constexpr unsigned kSpinnerThreads = 4;     // for questions, and as many for ~update_mesh
-constexpr unsigned kTimerThreads = 2;       // of which a console that blocks may keep one
-constexpr unsigned kTfQueue = 10'000;       // messages that wait, each for its cycle
-constexpr unsigned kCyclesQueue = 1000;     // that may come before the socket takes them
+constexpr unsigned kTimerThreads = 3;    // a console that blocks and a master that hangs keep two
+constexpr unsigned kTfQueue = 10'000;    // messages that wait, each for its cycle
+constexpr unsigned kCyclesQueue = 1000;  // that may come before the socket takes them
 
 ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueueInterface& queue) {
   node.setCallbackQueue(&queue);
@@ -53,9 +53,10 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
       accuracy_(scene_.accuracy),
       reconfigure_(reconfigure_mutex_, private_node),
       markers_(scene_, instruments_, organs_),
-      diagnostics_(node, private_node, organs_, troubles_, master_watch_,
+      master_watch_(log_),
+      diagnostics_(node, private_node, organs_, troubles_, master_watch_, log_,
                    [this] { return lastCycle(); }),
-      mesh_updates_(organs_, troubles_.update_refusals, [this] { mesh_info_is_old_ = true; }),
+      mesh_updates_(organs_, troubles_.update_refusals, log_, [this] { mesh_info_is_old_ = true; }),
       services_(organs_, buffer_, [this] { publishMeshInfo(); }),
       timer_spinner_(kTimerThreads, &timer_queue_),
       change_spinner_(kSpinnerThreads, &change_queue_),
@@ -85,7 +86,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   };
   every(kMarkerPeriod, [this] { markers_.publish(*lastCycle()); });
   every(kDiagnosticPeriod, [this] { diagnostics_.publish(); });
-  every(kComplaintPeriod, [this] { complaint_log_.write(lastCycle()->complaints); });
+  every(kComplaintPeriod, [this] { log_.write(lastCycle()->complaints); });
   every(kMeshInfoPeriod, [this] {
     if (mesh_info_is_old_.exchange(false)) publishMeshInfo();
   });
@@ -117,7 +118,7 @@ void CollisionNode::reconfigure(OrganCollisionConfig& wanted) {
   try {
     core::requireUsable(accuracy);
   } catch (const std::invalid_argument& error) {
-    ROS_ERROR("refused to be reconfigured: %s", error.what());
+    log_.refuse(std::string("refused to be reconfigured: ") + error.what());
     wanted = toConfig(this->accuracy());
     return;
   }
@@ -143,7 +144,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
 }
 
 void CollisionNode::complainOfTf(std::string complaint) {
-  complaint_log_.note(complaint);
+  log_.warn(complaint);
   troubles_.tf_complaints.note(std::move(complaint));
 }
 
@@ -235,15 +236,14 @@ void CollisionNode::updateOrgans() {
   while (true) {
     organs_wait_->wait();
     if (stopping_) return;
-    bool changed = false;
     for (const auto& organ : organs_) {
       try {
-        changed = organ->work() || changed;
+        if (organ->work()) publishMeshInfo();
       } catch (const std::exception& error) {  // memory, most likely: what is there goes on
-        ROS_ERROR("%s: could not be updated: %s", organ->name().c_str(), error.what());
+        mesh_info_is_old_ = true;
+        log_.refuse(organ->name() + ": could not be updated: " + error.what());
       }
     }
-    if (changed) publishMeshInfo();
   }
 }
 

@@ -33,7 +33,7 @@ namespace organ_collision::node {
 
 /// The ROS node. Its threads: run() hears tf and publishes contacts, or lets roscpp's thread at the
 /// sockets do so while it waits; some answer questions, others ~update_mesh, so that no question
-/// waits for a build; two tell markers, diagnostics and the log, whatever is asked; one takes in
+/// waits for a build; three tell markers, diagnostics and the log, whatever is asked; one takes in
 /// streamed updates, which no service keeps waiting; one refits the organs to these and swaps in
 /// what was rebuilt in the background. They meet in the organs' snapshots only.
 class CollisionNode {
@@ -79,7 +79,7 @@ class CollisionNode {
   ros::SteadyTime complaints_due_;
 
   Troubles troubles_;
-  ComplaintLog complaint_log_;
+  ComplaintLog log_;
 
   mutable std::mutex mutex_;  // of the two below; held for the copy of a setting or a pointer
   core::Accuracy accuracy_;

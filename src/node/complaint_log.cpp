@@ -9,22 +9,30 @@ namespace {
 
 constexpr double kPatience = 1.0;              // [s] before the first warning about a pair
 constexpr double kPeriod = LogLimit::kPeriod;  // between warnings about one pair
+constexpr std::size_t kMostNoted = 100;        // that wait while the console blocks
 
 }  // namespace
 
-void ComplaintLog::note(const std::string& complaint) {
+void ComplaintLog::note(Noted noted) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (limit_.allows(complaint)) noted_.push_back(complaint);
+  if (noted_.size() < kMostNoted && limit_.allows(noted.complaint))
+    noted_.push_back(std::move(noted));
 }
 
 void ComplaintLog::write(const std::vector<Complaint>& of_pairs) {
   writeOfPairs(of_pairs);
-  std::vector<std::string> noted;
+  std::vector<Noted> all;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    noted.swap(noted_);
+    all.swap(noted_);
   }
-  for (const std::string& complaint : noted) ROS_WARN("%s", complaint.c_str());
+  for (const Noted& noted : all) {
+    if (noted.is_error) {
+      ROS_ERROR("%s", noted.complaint.c_str());
+    } else {
+      ROS_WARN("%s", noted.complaint.c_str());
+    }
+  }
 }
 
 void ComplaintLog::writeOfPairs(const std::vector<Complaint>& complaints) {

@@ -46,10 +46,12 @@ DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTime& now) {
 
 Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                          const Organs& organs, Troubles& troubles, const MasterWatch& master,
+                         ComplaintLog& log,
                          std::function<std::shared_ptr<const Cycle>()> last_cycle)
     : organs_(organs),
       troubles_(troubles),
       master_(master),
+      log_(log),
       last_cycle_(std::move(last_cycle)),
       updater_(node, private_node, ros::this_node::getName()) {
   for (const auto& organ : organs)
@@ -82,7 +84,7 @@ void Diagnostics::diagnoseClock(Status& status) {
   if (!ros::Time::isSimTime() || !ros::Time::now().isZero()) return;
   const std::string sentence = "use_sim_time is set, but /clock stands at 0";
   status.mergeSummary(DiagnosticStatus::WARN, sentence);
-  if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+  log_.warn(sentence);
 }
 
 /// The log, too: who asks the master for diagnostics learns nothing then.
@@ -90,7 +92,7 @@ void Diagnostics::diagnoseMaster(Status& status) {
   const std::string sentence = master_.complaint();
   if (sentence.empty()) return;
   status.mergeSummary(DiagnosticStatus::WARN, sentence);
-  if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+  log_.warn(sentence);
 }
 
 /// A warning each time that it happened again.
@@ -131,8 +133,7 @@ void Diagnostics::warnOfHealth(std::size_t organ, const std::vector<std::string>
   const std::string since = "'" + organs_[organ]->name() + "', since it was updated: ";
   for (const std::string& sentence : sentences) {
     if (std::count(known.begin(), known.end(), withoutNumbers(sentence)) > 0) continue;
-    const std::string warning = since + sentence;
-    if (log_.allows(warning)) ROS_WARN("%s", warning.c_str());
+    log_.warn(since + sentence);
   }
   health_told_[organ] = kindsOf(sentences);
 }

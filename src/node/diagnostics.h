@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "node/complaint_log.h"
 #include "node/cycle.h"
 #include "node/incidents.h"
-#include "node/log_limit.h"
 #include "node/master_watch.h"
 #include "node/organ.h"
 
@@ -32,10 +32,10 @@ diagnostic_msgs::DiagnosticStatus flowOf(const Cycle& last, const ros::SteadyTim
 /// Tells /diagnostics what is wrong, and the log what is told nowhere else. For one thread.
 class Diagnostics {
  public:
-  /// Organs, troubles and master must outlive this.
+  /// Organs, troubles, master and log must outlive this.
   Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
               const Organs& organs, Troubles& troubles, const MasterWatch& master,
-              std::function<std::shared_ptr<const Cycle>()> last_cycle);
+              ComplaintLog& log, std::function<std::shared_ptr<const Cycle>()> last_cycle);
 
   void publish();
 
@@ -52,10 +52,10 @@ class Diagnostics {
   const Organs& organs_;
   Troubles& troubles_;
   const MasterWatch& master_;
+  ComplaintLog& log_;
   const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
   std::uint64_t times_behind_told_ = 0;
   std::vector<std::vector<std::string>> health_told_;  // of the organs, without numbers
-  LogLimit log_;
   diagnostic_updater::Updater updater_;
 };
 

@@ -1,7 +1,6 @@
 #include "node/master_watch.h"
 
 #include <ros/connection_manager.h>
-#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
@@ -117,9 +116,7 @@ void MasterWatch::check() {
   try {
     registerMissing();
   } catch (const XmlRpc::XmlRpcException& error) {  // no std::exception, and no reason to end
-    const std::string sentence =
-        "whether the master knows this node is not known: " + error.getMessage();
-    if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+    log_.warn("whether the master knows this node is not known: " + error.getMessage());
   }
   asks_since_ = 0.0;
 }
@@ -152,12 +149,11 @@ void MasterWatch::registerMissing() {
   // Another node of this name may have come: then all is that one's, and this one is told to end.
   const std::optional<XmlRpcValue> holder = askMaster("lookupNode", {ros::this_node::getName()});
   if (holder && *holder != XmlRpcValue(nodeUri())) {
-    const std::string sentence =
-        "the master knows another node of this name, which this one leaves it to";
-    if (log_.allows(sentence)) ROS_WARN("%s", sentence.c_str());
+    log_.warn("the master knows another node of this name, which this one leaves it to");
     return;
   }
-  ROS_WARN("the master does not know %zu topics and services of this node: registered anew", count);
+  log_.warn("the master does not know " + std::to_string(count) +
+            " topics and services of this node: registered anew");
   std::for_each(publications.begin(), publications.end(), publish);
   std::for_each(subscriptions.begin(), subscriptions.end(), subscribe);
   std::for_each(services.begin(), services.end(), serve);

@@ -19,10 +19,11 @@ bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
 
 }  // namespace
 
-MeshUpdateIntake::MeshUpdateIntake(const Organs& organs, Incidents& refusals,
+MeshUpdateIntake::MeshUpdateIntake(const Organs& organs, Incidents& refusals, ComplaintLog& log,
                                    std::function<void()> tell_refusal)
     : organs_(organs),
       refusals_(refusals),
+      log_(log),
       tell_refusal_(std::move(tell_refusal)),
       spinner_(1, &queue_) {}
 
@@ -43,7 +44,7 @@ void MeshUpdateIntake::take(const Event& event) {
   } catch (const std::exception& error) {
     std::string refusal = "an update of the mesh of '" + update.organ + "' by '" +
                           event.getPublisherName() + "': " + error.what();
-    if (log_.allows(refusal)) ROS_ERROR("refused %s", refusal.c_str());
+    log_.refuse("refused " + refusal);
     refusals_.note(std::move(refusal));
   }
 }
@@ -54,9 +55,8 @@ std::uint32_t MeshUpdateIntake::missedBefore(const Event& event) {
   const std::uint32_t missed = gaps_.before(publisher, event.getConstMessage()->header.seq);
   // rospy counts up for each one that subscribes to what is latched.
   if (missed == 0 || isLatched(event)) return 0;
-  const std::string loss =
-      std::to_string(missed) + " mesh updates of '" + publisher + "' were lost on the way here";
-  if (log_.allows(loss)) ROS_WARN("%s", loss.c_str());
+  log_.warn(std::to_string(missed) + " mesh updates of '" + publisher +
+            "' were lost on the way here");
   return missed;
 }
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "node/complaint_log.h"
 #include "node/incidents.h"
-#include "node/log_limit.h"
 #include "node/organ.h"
 #include "node/sequence_gaps.h"
 
@@ -18,9 +18,10 @@ namespace organ_collision::node {
 /// each update to its organ, and counts what was refused or lost.
 class MeshUpdateIntake {
  public:
-  /// Both must outlive this. `tell_refusal` is called, by that thread, when an organ has refused an
+  /// All must outlive this. `tell_refusal` is called, by that thread, when an organ has refused an
   /// update.
-  MeshUpdateIntake(const Organs& organs, Incidents& refusals, std::function<void()> tell_refusal);
+  MeshUpdateIntake(const Organs& organs, Incidents& refusals, ComplaintLog& log,
+                   std::function<void()> tell_refusal);
 
   /// Hears from now on what comes to `node`.
   void subscribe(ros::NodeHandle node);
@@ -34,10 +35,10 @@ class MeshUpdateIntake {
 
   const Organs& organs_;
   Incidents& refusals_;
+  ComplaintLog& log_;
   const std::function<void()> tell_refusal_;
   SequenceGaps gaps_;
   std::uint64_t missed_ = 0;  // and not yet counted
-  LogLimit log_;
   ros::CallbackQueue queue_;
   ros::Subscriber subscriber_;
   ros::AsyncSpinner spinner_;  // last: its thread ends before what it uses

@@ -121,9 +121,9 @@ bool Services::findTrianglesWithin(FindTrianglesWithin::Request& request,
 bool Services::updateMesh(UpdateMesh::Request& request, UpdateMesh::Response& response) {
   const Organ* asked = nullptr;
   answer(response, [&] {
-    requireAtMost(kMostTriangles, request.triangles.size(), "triangles");
     Organ& organ = organNamed(organs_, request.organ);
     asked = &organ;
+    requireAtMost(kMostTriangles, request.triangles.size(), "triangles");
     organ.requireFrame(request.header.frame_id);
     if (request.mode > UpdateMesh::Request::REBUILD) {
       throw std::invalid_argument("mode is " + std::to_string(request.mode) +

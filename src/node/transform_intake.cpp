@@ -1,5 +1,7 @@
 #include "node/transform_intake.h"
 
+#include <console_bridge/console.h>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -32,8 +34,8 @@ std::string text(std::initializer_list<double> numbers) {
   return text.str();
 }
 
-/// What is wrong with a transform; empty: nothing. tf2 would drop the most of it too, but say so
-/// on stderr alone, each time.
+/// What is wrong with a transform; empty: nothing. tf2 would drop the most of it too, but say so on
+/// stderr alone.
 std::string faultOf(const TransformStamped& transform, bool is_static, const ros::Time& now) {
   const auto& [translation, rotation] = transform.transform;
   const double ahead = transform.header.stamp.toSec() - now.toSec();
@@ -63,14 +65,15 @@ void dropSlash(std::string& frame) {
   if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
 }
 
-constexpr const char* kRepeated =
-    "tf has one of that time already: does a clock stand still, is a recording played again, or do "
-    "two tell of it?";
-
 }  // namespace
 
-/// What tf has that does not go with a transform; empty: nothing. tf2 itself would tell no more
-/// than the console, each time.
+/// The console is not tf2's: each transform that it drops would be told there, and who blocks it
+/// would block the thread that answers tips.
+TransformIntake::TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
+}
+
+/// What tf has that does not go with a transform; empty: nothing known.
 std::string TransformIntake::conflictOf(const TransformStamped& transform, bool is_static) const {
   const auto found = known_.find(transform.child_frame_id);
   if (found == known_.end()) return "";
@@ -78,11 +81,8 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
   if (known.is_static != is_static)
     return std::string("it was on ") + (is_static ? "/tf" : "/tf_static") +
            " before; if that was a mistake, start this node anew";
-  if (is_static) return "";
-  const ros::Time& stamp = transform.header.stamp;
-  if (stamp == known.newest) return kRepeated;
-  if (known.newest.toSec() - stamp.toSec() > buffer_.getCacheLength().toSec())
-    return "it is older than what tf keeps";
+  const double age = known.newest.toSec() - transform.header.stamp.toSec();
+  if (!is_static && age > buffer_.getCacheLength().toSec()) return "it is older than what tf keeps";
   return "";
 }
 
@@ -128,7 +128,9 @@ std::vector<std::string> TransformIntake::take(const tf2_msgs::TFMessage& messag
         if (buffer_.setTransform(transform, publisher, is_static))
           note(transform, is_static);
         else
-          fault = kRepeated;
+          fault =
+              "tf has one of that time already: does a clock stand still, is a recording played "
+              "again, or do two tell of it?";
       }
     } catch (const std::exception& error) {
       fault = error.what();

@@ -22,14 +22,13 @@ namespace organ_collision::node {
 /// - what is no transform at all;
 /// - what moves a frame that was static, or the other way round: tf2 takes a frame for what it was
 ///   first, and would call it static for ever, or old;
-/// - what has the stamp of the frame's newest, or is older than what tf keeps: tf2 drops it, and
-///   fills the console.
+/// - what has a stamp that the frame had, or is older than what tf keeps: tf2 drops it.
 class TransformIntake {
  public:
   static constexpr double kFarthestAhead = 1.0;  ///< [s] so much may clocks of machines differ
 
-  /// `buffer` must outlive this.
-  explicit TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {}
+  /// `buffer` must outlive this. From then on no buffer of this process warns on stderr.
+  explicit TransformIntake(tf2::BufferCore& buffer);
 
   /// Forgets what moves where time has jumped back since the last call, and says so; else empty.
   /// `now` is the clock that the stamps are of.

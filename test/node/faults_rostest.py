@@ -29,6 +29,7 @@ NODE = roslib.packages.find_node("organ_collision", "organ_collision_node")[0]
 SCENE = {"organs": [{"name": "liver", "frame": "liver", "mesh": "package://organ_collision/meshes/liver.obj"}],
          "instruments": [{"name": "left", "frame": "left_tip"}]}
 TIP = "{header: {frame_id: liver}, child_frame_id: left_tip, transform: {rotation: {w: 1.0}}}"
+WHAT_WAITS = (b"left to liver", b"already", b"nowhere")  # for the console
 PROBE = "{header: {frame_id: liver}, points: [{x: 0.0, y: 0.0, z: 0.2}]}"
 
 
@@ -186,7 +187,20 @@ class Faults(unittest.TestCase):
         self.assertEqual(process.returncode, 0, output)
         self.assertNotIn("FATAL", output)
 
-    def test_a_console_that_blocks_keeps_no_contact_waiting(self):
+    def repeat_pose(self):
+        """A publisher of poses again and again, of which tf takes each only once; the newest comes first."""
+        now = int(time.time())
+        poses = [f"{{header: {{frame_id: liver, stamp: {{secs: {now - age}}}}}, child_frame_id: spoon, "
+                 f"transform: {{rotation: {{w: 1.0}}}}}}" for age in (0, 1, 1)]
+        return running("rostopic", "pub", "-r", "100", "/tf", "tf2_msgs/TFMessage",
+                       f"{{transforms: [{', '.join(poses)}]}}", env=self.master.environment, stdout=subprocess.DEVNULL)
+
+    def stream(self, frame):
+        """An update of a vertex, from a frame."""
+        self.master.client("rostopic", "pub", "-1", "/organ_collision/mesh_update", "organ_collision/MeshUpdate",
+                           f"{{header: {{frame_id: {frame}}}, indices: [0], positions: [0.0, 0.0, 0.0]}}")
+
+    def test_a_console_that_blocks_keeps_nothing_waiting(self):
         """As after Ctrl-S, or where nobody reads its pipe."""
         reader, writer = os.pipe()
         self.addCleanup(os.close, reader)
@@ -201,13 +215,28 @@ class Faults(unittest.TestCase):
                 with contextlib.suppress(BlockingIOError):
                     while True:
                         os.write(filler, b"x")
-                time.sleep(LONGEST_SILENCE)
-                for topic in ("contacts/header", "mesh_info/meshes"):
-                    self.master.next(topic)
-                self.master.call("find_nearest_triangle", PROBE)
-                said = os.read(reader, 2 * mmap.PAGESIZE)
-                wait_until(lambda: b"left to liver" in os.read(reader, mmap.PAGESIZE), "the warning that waited")
-        self.assertNotIn(b"left to liver", said)
+                with self.repeat_pose() as poses:
+                    self.stream("nowhere")  # refused, which is logged
+                    self.stream("liver")
+                    time.sleep(LONGEST_SILENCE)
+                    for topic in ("contacts/header", "markers/markers"):
+                        self.master.next(topic)
+                    wait_until(lambda: self.master.next("mesh_info/meshes[0]/mesh_version") == "2", "the update")
+                    self.master.call("find_nearest_triangle", PROBE)
+                    self.master.client("rostopic", "echo", "-n", "1", "/diagnostics/header")
+                    self.assertIsNone(poses.poll())
+                before = os.read(reader, 2 * mmap.PAGESIZE)
+                said = bytearray()
+                os.set_blocking(reader, False)
+
+                def hear():
+                    with contextlib.suppress(BlockingIOError):
+                        said.extend(os.read(reader, mmap.PAGESIZE))
+                    return all(text in said for text in WHAT_WAITS)
+
+                wait_until(hear, "what waited")
+        for text in WHAT_WAITS:
+            self.assertNotIn(text, before)
 
     def test_a_master_that_hangs_is_told_and_keeps_no_contact_waiting(self):
         echo = ("rostopic", "echo", "/diagnostics/status[0]/message")
