@@ -70,7 +70,7 @@ core::TriangleMesh readObj(std::string_view text) {
     throw std::invalid_argument("line " + std::to_string(line_of_most) + ": a face names vertex " +
                                 std::to_string(most_named) + " of " +
                                 std::to_string(draft.positions.size()) + ", counted from 1");
-  return {std::move(draft.positions), std::move(draft.triangles)};
+  return meshOf(std::move(draft));
 }
 
 }  // namespace organ_collision::io

@@ -52,7 +52,7 @@ core::TriangleMesh readOff(std::string_view text) {
     lines.ofThisLine([&] { addPolygon(draft, corners); });
   }
   if (lines.next()) lines.refuse("more follows than the counts say");
-  return {std::move(draft.positions), std::move(draft.triangles)};
+  return meshOf(std::move(draft));
 }
 
 }  // namespace organ_collision::io

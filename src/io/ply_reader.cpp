@@ -289,7 +289,7 @@ core::TriangleMesh readPly(std::string_view bytes) {
     }
   }
   body.requireEnd();
-  return {std::move(draft.positions), std::move(draft.triangles)};
+  return meshOf(std::move(draft));
 }
 
 }  // namespace organ_collision::io

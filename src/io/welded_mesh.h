@@ -25,7 +25,7 @@ class WeldedMesh {
 
   std::size_t triangleCount() const { return draft_.triangles.size(); }
   core::TriangleMesh mesh() && {
-    return {std::move(draft_.positions), std::move(draft_.triangles)};
+    return meshOf(std::move(draft_));
   }
 
  private:

@@ -99,6 +99,32 @@ TEST_F(MeshFormats, ReadsLinesThatEndAsOnAnySystem) {
             2U);
 }
 
+TEST_F(MeshFormats, FillsAPolygonThatIsNotConvexFromACornerThatSeesAllOfIt) {
+  const Shape arrow = {{{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}, {1, 0, 0}, {0, 0, 1}},
+                       {{1, 2, 3, 0}, {0, 4, 1, 2, 3}, {3, 2, 1, 0}, {0, 1, 5}}};
+  const Faces fans = {{2, 3, 0}, {2, 0, 1}, {0, 4, 1}, {0, 1, 2},
+                      {0, 2, 3}, {2, 1, 0}, {2, 0, 3}, {0, 1, 5}};
+  for (const Format& format : kFormats) {
+    if (!format.is_indexed) continue;
+    EXPECT_EQ(facesOf(load(format.file, format.bytes(arrow))), fans) << format.name;
+  }
+}
+
+TEST_F(MeshFormats, RefusesAPolygonThatNoFanFills) {
+  const Shape horseshoe = {
+      {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}},
+      {{0, 1, 2}, {0, 1, 2, 3, 4, 5, 6, 7}}};
+  const Shape bow_tie = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2, 3}}};
+  for (const Format& format : kFormats) {
+    if (!format.is_indexed) continue;
+    EXPECT_THAT(refusal(format.file, format.bytes(horseshoe)),
+                HasSubstr("face of 8 corners that becomes triangles 1 to 6"))
+        << format.name;
+    EXPECT_THAT(refusal(format.file, format.bytes(bow_tie)), HasSubstr("of 4 corners"))
+        << format.name;
+  }
+}
+
 TEST_F(MeshFormats, RefusesAMeshWithoutTriangles) {
   EXPECT_THAT(refusal("m.obj", "v 0 0 0\n"), HasSubstr("m.obj': the mesh has no triangle"));
   EXPECT_THAT(refusal("m.off", "OFF 1 0 0\n0 0 0\n"), HasSubstr("the mesh has no triangle"));

@@ -24,20 +24,21 @@ struct LoadLimits {
 
 /// The mesh in `file`, its positions multiplied by `scale` to give metres.
 /// obj, ply and off keep their numbers: vertex i and triangle j are the file's, duplicate and
-/// unreferenced vertices included; a polygon becomes a fan from its first corner, in its place.
-/// Vertices of every other format are merged by exact position and numbered in the order of first
-/// appearance. All but stl goes through assimp, in single precision, with node transforms applied;
-/// dae: `<unit>` is applied, `<up_axis>` is not, as in rviz. The file is read in a child process,
-/// so that a parser that crashes, hangs or eats memory ends as an error here. Throws
-/// std::invalid_argument unless `scale` is finite and above 0, std::runtime_error naming file and
-/// element if it cannot be read: anything but a regular file, bad syntax, an index out of range, a
-/// coordinate that is not finite or exceeds a 32-bit float. What goes through assimp is refused
-/// where assimp fails, logs an error or a loss of triangles, or finds another format than the
-/// extension names; where a dae says a unit or index below 0, or a gltf asks for extensions; where
-/// a unit or scale is 0, bones move a mesh, or a node's matrix is not affine. What else is wrong
-/// in them may pass, as assimp reads it. Cost: that of parsing, one fork and one copy through a
-/// pipe. Other threads' locks stay locked in a forked child, so a call while other threads run may,
-/// rarely, end at its time limit: load before starting them, or try again.
+/// unreferenced vertices included; a polygon becomes a fan in its place, from its first corner or
+/// the next from which a fan fills it, and one that no fan fills is refused. Vertices of every
+/// other format are merged by exact position and numbered in the order of first appearance. All but
+/// stl goes through assimp, in single precision, with node transforms applied; dae: `<unit>` is
+/// applied, `<up_axis>` is not, as in rviz. The file is read in a child process, so that a parser
+/// that crashes, hangs or eats memory ends as an error here. Throws std::invalid_argument unless
+/// `scale` is finite and above 0, std::runtime_error naming file and element if it cannot be read:
+/// anything but a regular file, bad syntax, an index out of range, a coordinate that is not finite
+/// or exceeds a 32-bit float. What goes through assimp is refused where assimp fails, logs an error
+/// or a loss of triangles, or finds another format than the extension names; where a dae says a
+/// unit or index below 0, or a gltf asks for extensions; where a unit or scale is 0, bones move a
+/// mesh, or a node's matrix is not affine. What else is wrong in them may pass, as assimp reads it.
+/// Cost: that of parsing, one fork and one copy through a pipe. Other threads' locks stay locked in
+/// a forked child, so a call while other threads run may, rarely, end at its time limit: load
+/// before starting them, or try again.
 core::TriangleMesh loadMesh(const std::filesystem::path& file, double scale = 1.0,
                             const LoadLimits& limits = {});
 
