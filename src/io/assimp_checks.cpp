@@ -1,8 +1,12 @@
+#include <Eigen/Core>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "mesh_readers.h"
 #include "shown.h"
@@ -93,6 +97,52 @@ void checkCount(std::string_view text, const std::string& name) {
   });
 }
 
+/// Four numbers, from there on; nothing if others than they stand there.
+std::optional<Eigen::Vector4d> fourNumbers(std::string_view text, std::size_t at) {
+  Eigen::Vector4d numbers;
+  for (double& number : numbers) {
+    at = behind(" \t\r\n,", text, at);
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + at, end, number);
+    if (error != std::errc()) return std::nullopt;
+    at = static_cast<std::size_t>(stop - text.data());
+  }
+  return numbers;
+}
+
+/// assimp takes any axis and any quaternion for one of length 1, and stretches what it turns by
+/// another. Why `direction` is none; empty: it is.
+std::string faultOfLength(const std::string& what, const Eigen::VectorXd& direction) {
+  constexpr double kTolerance = 1e-4;  // of what files tell with four digits
+  const double length = direction.norm();
+  if (std::abs(length - 1.0) <= kTolerance) return "";
+  std::string numbers;
+  for (const double number : direction) numbers += (numbers.empty() ? "" : " ") + shown(number);
+  return what + ", " + numbers + ", is of length " + shown(length) + ", not 1";
+}
+
+void checkRotations(std::string_view text) {
+  forEachTag(text, "<rotate", [&](std::size_t begin, std::string_view) {
+    const auto rotation = fourNumbers(text, begin);
+    if (!rotation || (*rotation)[3] == 0.0) return;
+    const std::string fault = faultOfLength("the axis of a rotation", rotation->head<3>());
+    if (!fault.empty()) refuse(text, begin, fault);
+  });
+}
+
+/// Of the nodes of glTF: `"rotation": [...]`.
+void checkQuaternions(std::string_view bytes) {
+  constexpr std::string_view kName = "\"rotation\"";
+  for (std::size_t at = bytes.find(kName); at != kNowhere; at = bytes.find(kName, at)) {
+    at = behind(kBlanks, bytes, at + kName.size());
+    if (!isOneOf(":", bytes, at)) continue;
+    at = behind(kBlanks, bytes, at + 1);
+    const auto rotation = isOneOf("[", bytes, at) ? fourNumbers(bytes, at + 1) : std::nullopt;
+    const std::string fault = rotation ? faultOfLength("the rotation of a node", *rotation) : "";
+    if (!fault.empty()) throw std::invalid_argument(fault);
+  }
+}
+
 /// Of an extension of glTF.
 bool changesNoShape(std::string_view extension) {
   for (const std::string_view kind : {"KHR_materials_", "KHR_texture_", "KHR_lights_"})
@@ -104,12 +154,14 @@ bool changesNoShape(std::string_view extension) {
 
 void checkDae(std::string_view text) {
   checkUnit(text);
+  checkRotations(text);
   for (const char* const tag : {"<p", "<vcount"}) checkNumbers(text, tag);
   for (const char* const name : {"triangles", "polylist", "polygons", "tristrips", "trifans"})
     checkCount(text, name);
 }
 
 void checkGltf(std::string_view bytes) {
+  checkQuaternions(bytes);
   constexpr std::string_view kName = "\"extensionsRequired\"";
   const std::size_t name = bytes.find(kName);
   if (name == kNowhere) return;

@@ -36,11 +36,13 @@ core::TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::
 
 // Each throws for what assimp passes over without a word.
 
-/// Of dae, a negative unit, which would mirror; indices and counts of corners that are negative or
-/// no numbers; and counts of triangles, of which assimp would pass over all.
+/// Of dae, a negative unit, which would mirror; axes of rotations that are not of length 1; indices
+/// and counts of corners that are negative or no numbers; and counts of triangles, of which assimp
+/// would pass over all.
 void checkDae(std::string_view text);
 
-/// Of gltf and glb, extensions without which they cannot be read.
+/// Of gltf and glb, rotations that are not of length 1, and extensions without which they cannot be
+/// read.
 void checkGltf(std::string_view bytes);
 
 }  // namespace organ_collision::io

@@ -29,6 +29,18 @@ TEST_F(AssimpFormats, AppliesTheNodesOfDaeAndItsUnitButNotItsUpAxis) {
   EXPECT_EQ(mesh.positions(), core::Points({{2, 3, 4}, {3, 3, 4}, {2, 3, 6}}));
 }
 
+TEST_F(AssimpFormats, RefusesRotationsOfDaeThatWouldStretch) {
+  const auto of_dae = [&](const std::string& rotation) {
+    return refusal("m.dae", dae(kTwoTriangles, "1", "<rotate sid=\"a\">" + rotation + "</rotate>"));
+  };
+  for (const char* const good : {"0 0 1 90", " 0.7071\t0 -.7071 1e1 ", "0 0 0 0", "0 0 0 0.0"})
+    EXPECT_EQ(of_dae(good), "") << good;
+  for (const char* const bad : {"0 0 2 90", "1 1 0 90", "0 0 0 90", "0.707 0 0.706 1"})
+    EXPECT_THAT(of_dae(bad), AllOf(HasSubstr("the axis of a rotation, "), HasSubstr(", not 1")));
+  EXPECT_THAT(of_dae("0 0 2 90"),
+              HasSubstr("line 1: the axis of a rotation, 0 0 2, is of length 2"));
+}
+
 TEST_F(AssimpFormats, RefusesNegativeNumbersOfDaeThatCountSomething) {
   const std::string good = plainDae(kTwoTriangles);
   EXPECT_EQ(refusal("m.dae", good), "");
@@ -182,6 +194,14 @@ TEST_F(AssimpFormats, RefusesANodeThatIsNotAffine) {
   EXPECT_EQ(with_matrix("5, 6, 7, 1"), "");
   EXPECT_THAT(with_matrix("5, 6, 7, 2"),
               HasSubstr("the last row of its matrix is 0 0 0 2, but 0 0 0 1 is wanted"));
+}
+
+TEST_F(AssimpFormats, RefusesRotationsOfGltfThatWouldStretch) {
+  const auto of_gltf = [&](const std::string& rotation) {
+    return refusal("m.gltf", gltf(kEmbedded, R"([{"mesh": 0, "rotation" : [)" + rotation + "]}]"));
+  };
+  EXPECT_EQ(of_gltf("0.7071, 0, 0,0.7071"), "");
+  EXPECT_THAT(of_gltf("0, 0, 0, 2"), HasSubstr("the rotation of a node, 0 0 0 2, is of length 2"));
 }
 
 TEST_F(AssimpFormats, RefusesGltfThatAsksForExtensions) {
