@@ -24,9 +24,7 @@ class WeldedMesh {
   void addTriangle(const std::vector<core::VertexId>& corners) { addPolygon(draft_, corners); }
 
   std::size_t triangleCount() const { return draft_.triangles.size(); }
-  core::TriangleMesh mesh() && {
-    return meshOf(std::move(draft_));
-  }
+  core::TriangleMesh mesh() && { return meshOf(std::move(draft_)); }
 
  private:
   using Position = std::array<double, 3>;
