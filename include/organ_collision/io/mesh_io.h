@@ -34,8 +34,9 @@ struct LoadLimits {
 /// anything but a regular file, bad syntax, an index out of range, a coordinate that is not finite
 /// or exceeds a 32-bit float. What goes through assimp is refused where assimp fails, logs an error
 /// or a loss of triangles, or finds another format than the extension names; where a dae says a
-/// unit or index below 0, or a gltf asks for extensions; where a unit or scale is 0, bones move a
-/// mesh, or a node's matrix is not affine. What else is wrong in them may pass, as assimp reads it.
+/// unit or index below 0, or a gltf asks for extensions; where a unit or scale is 0, an axis
+/// or quaternion of a rotation is not of length 1, bones move a mesh, or a node's matrix is not
+/// affine. What else is wrong in them may pass, as assimp reads it.
 /// Cost: that of parsing, one fork and one copy through a pipe. Other threads' locks stay locked in
 /// a forked child, so a call while other threads run may, rarely, end at its time limit: load
 /// before starting them, or try again.
