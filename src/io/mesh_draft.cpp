@@ -53,11 +53,11 @@ void fill(const MeshDraft::Polygon& polygon, MeshDraft& draft) {
     }
     std::rotate(corners.begin(), corners.begin() + 1, corners.end());
   }
-  throw std::invalid_argument("the face of " + std::to_string(count) +
-                              " corners that becomes triangles " + std::to_string(first) + " to " +
-                              std::to_string(first + count - 3) +
-                              ", counted from 0, is not convex, and a fan from none of its corners "
-                              "fills it: save the mesh as triangles");
+  throw std::invalid_argument(
+      "the face of " + std::to_string(count) + " corners that becomes triangles " +
+      std::to_string(first) + " to " + std::to_string(first + count - 3) +
+      ", counted from 0, is not convex, and no fan from one of its first " +
+      std::to_string(kMostTried) + " corners fills it: save the mesh as triangles");
 }
 
 }  // namespace
