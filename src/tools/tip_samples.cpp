@@ -137,6 +137,10 @@ core::Points readTips(const std::filesystem::path& file) {
                                error.what());
     }
   }
+  if (stream.bad()) {
+    throw std::runtime_error(file.string() + ": reading failed after " +
+                             std::to_string(line_number) + " lines");
+  }
   if (tips.empty()) throw std::runtime_error(file.string() + ": no tips, but x,y,z [m] are wanted");
   return tips;
 }

@@ -127,6 +127,7 @@ TEST(ReadTips, RefusesFilesWithoutTips) {
   EXPECT_THAT(messageOf([] { readTips("/no/such/file"); }), HasSubstr("/no/such/file"));
   EXPECT_THAT(messageOf([] { readTips(std::filesystem::temp_directory_path()); }),
               HasSubstr("cannot read"));
+  EXPECT_THAT(messageOf([] { readTips("/proc/self/mem"); }), HasSubstr("reading failed"));
 }
 
 }  // namespace
