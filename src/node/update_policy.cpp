@@ -6,8 +6,6 @@
 namespace organ_collision::node {
 namespace {
 
-constexpr unsigned kFullRefits = 64;  // before partial ones get another chance
-
 template <class... Values>
 std::string text(const char* format, Values... values) {
   std::array<char, 160> buffer;
@@ -28,16 +26,16 @@ std::size_t RefitPolicy::sizeOf(std::size_t moved) {
 
 bool RefitPolicy::prefersPartial(std::size_t moved) const {
   const Partial& partial = partial_[sizeOf(moved)];
-  return !partial.per_vertex || partial.passed_over >= kFullRefits ||
+  return !partial.per_vertex || partial.isDueAgain() ||
          *partial.per_vertex * static_cast<double>(moved) < full_;
 }
 
 std::string RefitPolicy::figures(std::size_t moved) const {
   const Partial& partial = partial_[sizeOf(moved)];
   if (!partial.per_vertex) return "a partial refit of so many is to be tried";
-  return text("a partial refit costs about %.0f us, a full one %.0f us",
+  return text("a partial refit costs about %.0f us%s, a full one %.0f us",
               kMicroseconds * *partial.per_vertex * static_cast<double>(moved),
-              kMicroseconds * full_);
+              partial.isDueAgain() ? " and is tried again" : "", kMicroseconds * full_);
 }
 
 void RefitPolicy::recordPartial(std::size_t moved, double duration) {

@@ -28,6 +28,9 @@ class RefitPolicy {
 
  private:
   struct Partial {
+    static constexpr unsigned kPatience = 64;  // full ones
+    bool isDueAgain() const { return passed_over >= kPatience; }
+
     std::optional<double> per_vertex;  // [s] the last time
     unsigned passed_over = 0;          // times that full was chosen since
   };

@@ -126,6 +126,8 @@ TEST(Organ, TriesAPartialRefitAndKeepsToWhatHasCostLess) {
   const Organ::Applied second = organ.update(moves, UpdateMode::kAuto, 0);
   EXPECT_EQ(second.action, Action::kRefit) << second.reason;
   EXPECT_THAT(second.reason, HasSubstr("a full one"));
+  organ.replace(test::blob(5), 0);  // what the former mesh cost says nothing of this one
+  EXPECT_THAT(organ.update(moves, UpdateMode::kAuto, 0).reason, HasSubstr("is to be tried"));
 }
 
 TEST(Organ, RebuildAloneDoesNotRaiseTheVersion) {

@@ -8,6 +8,7 @@ namespace organ_collision::node {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kMicrosecond = 1e-6;  // [s]
 
@@ -43,7 +44,11 @@ TEST(RefitPolicy, GivesThePartialRefitAnotherChanceAfterAWhile) {
   RefitPolicy policy(1000 * kMicrosecond);
   policy.recordPartial(200, 90000 * kMicrosecond);  // disturbed
   int refits = 0;
-  for (; !policy.prefersPartial(200); ++refits) policy.recordFull(200, 1000 * kMicrosecond);
+  for (; !policy.prefersPartial(200); ++refits) {
+    ASSERT_THAT(policy.figures(200), Not(HasSubstr("again")));
+    policy.recordFull(200, 1000 * kMicrosecond);
+  }
+  EXPECT_THAT(policy.figures(200), HasSubstr("90000 us and is tried again, a full one 1000 us"));
   EXPECT_GE(refits, 20) << "else trying costs more than it can gain";
   EXPECT_LE(refits, 200);
   policy.recordPartial(200, 300 * kMicrosecond);
