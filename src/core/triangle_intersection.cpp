@@ -20,11 +20,6 @@ bool anyNegative(const Signs& s) { return s[0] < 0 || s[1] < 0 || s[2] < 0; }
 bool allPositive(const Signs& s) { return s[0] > 0 && s[1] > 0 && s[2] > 0; }
 bool allNegative(const Signs& s) { return s[0] < 0 && s[1] < 0 && s[2] < 0; }
 
-bool boxesMeet(const Box& first, const Box& second) {
-  return (first.low.array() <= second.high.array()).all() &&
-         (second.low.array() <= first.high.array()).all();
-}
-
 /// The sides of the plane of `t` that the corners of `other` are on; all 0 where `t` has no area.
 Signs sidesOf(const Triangle& other, const Triangle& t) {
   return {orientation(t.a, t.b, t.c, other.a), orientation(t.a, t.b, t.c, other.b),
@@ -102,7 +97,7 @@ std::optional<bool> segmentMeets(const Vector3d& p, int side_of_p, const Vector3
 }  // namespace
 
 bool trianglesIntersect(const Triangle& first, const Triangle& second) {
-  if (!boxesMeet(boxOf(first), boxOf(second))) return false;
+  if (!meet(boxOf(first), boxOf(second))) return false;
   const Signs sides_of_first = sidesOf(first, second);
   if (allPositive(sides_of_first) || allNegative(sides_of_first)) return false;
   if (first.b == first.c) {  // a segment, a shaft's say: its own plane tells nothing

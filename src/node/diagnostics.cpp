@@ -53,6 +53,7 @@ Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& pri
       master_(master),
       log_(log),
       last_cycle_(std::move(last_cycle)),
+      surface_checks_(organs.size()),
       updater_(node, private_node, ros::this_node::getName()) {
   for (const auto& organ : organs)
     health_told_.push_back(kindsOf(core::warnings(organ->snapshot()->organ.health())));
@@ -107,7 +108,9 @@ void Diagnostics::diagnoseHaste(Status& status) {
 void Diagnostics::diagnoseOrgan(std::size_t number, Status& status) {
   Organ& organ = *organs_[number];
   const std::shared_ptr<const OrganSnapshot> snapshot = organ.snapshot();
-  const std::vector<std::string> sentences = core::warnings(snapshot->organ.health());
+  std::vector<std::string> sentences = core::warnings(snapshot->organ.health());
+  const std::string& crossing = surface_checks_[number].complaint(snapshot);
+  if (!crossing.empty()) sentences.push_back(crossing);
   for (const std::string& sentence : sentences)
     status.mergeSummary(DiagnosticStatus::WARN, organ.name() + ": " + sentence);
   warnOfHealth(number, sentences);
@@ -127,13 +130,13 @@ void Diagnostics::diagnoseOrgan(std::size_t number, Status& status) {
   status.add(organ.name() + " updates lost", counters.updates_lost);
 }
 
-/// What an update has brought with it; the rest was told when the organ was loaded.
+/// What was not told when the organ was loaded, nor since.
 void Diagnostics::warnOfHealth(std::size_t organ, const std::vector<std::string>& sentences) {
   const std::vector<std::string>& known = health_told_[organ];
-  const std::string since = "'" + organs_[organ]->name() + "', since it was updated: ";
+  const std::string name = "'" + organs_[organ]->name() + "', as it is now: ";
   for (const std::string& sentence : sentences) {
     if (std::count(known.begin(), known.end(), withoutNumbers(sentence)) > 0) continue;
-    log_.warn(since + sentence);
+    log_.warn(name + sentence);
   }
   health_told_[organ] = kindsOf(sentences);
 }

@@ -16,6 +16,7 @@
 #include "node/incidents.h"
 #include "node/master_watch.h"
 #include "node/organ.h"
+#include "node/surface_check.h"
 
 namespace organ_collision::node {
 
@@ -56,6 +57,7 @@ class Diagnostics {
   const std::function<std::shared_ptr<const Cycle>()> last_cycle_;
   std::uint64_t times_behind_told_ = 0;
   std::vector<std::vector<std::string>> health_told_;  // of the organs, without numbers
+  std::vector<SurfaceCheck> surface_checks_;           // of the organs
   diagnostic_updater::Updater updater_;
 };
 

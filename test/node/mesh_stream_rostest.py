@@ -165,7 +165,7 @@ class MeshStream(DeformingLiver):
             told = diagnostics.wait_for(lambda array: array.header.stamp > start and NO_AREA in str(array.status))
             counts.add(re.search(r"\d+" + NO_AREA, str(told.status)).group())
         self.assertEqual(len(counts), 2, counts)
-        warnings = [entry.msg for entry in log.all() if "since it was updated" in entry.msg and NO_AREA in entry.msg]
+        warnings = [entry.msg for entry in log.all() if "as it is now" in entry.msg and NO_AREA in entry.msg]
         self.assertEqual(len(warnings), 1, warnings)
 
     def test_an_update_in_millimetres_is_told(self):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The organ deforms by service, while contacts and questions go on."""
 import math
+import re
 import threading
 
 import numpy as np
@@ -145,6 +146,14 @@ class MeshUpdates(DeformingLiver):
         self.assertEqual((info.triangles, info.closed), (len(lower), False))
         Inbox("/diagnostics", DiagnosticArray).wait_for(lambda array: any(
             status.level == DiagnosticStatus.WARN and "liver: the surface is not closed" in status.message
+            for status in array.status))
+
+    def test_a_surface_that_crosses_itself_is_told(self):
+        crossing = self.loaded.vertices.copy()
+        crossing[0] = 2 * crossing.mean(axis=0) - crossing[0]
+        self.update(crossing, triangles=self.loaded.triangles)
+        Inbox("/diagnostics", DiagnosticArray).wait_for(lambda array: any(
+            status.level == DiagnosticStatus.WARN and re.search("liver: triangles .* cross or touch", status.message)
             for status in array.status))
 
     def test_the_expected_version_is_accepted_if_it_is_the_current_one(self):

@@ -41,6 +41,12 @@ inline std::array<Eigen::Vector3d, 8> cornersOf(const Box& box) {
   return corners;
 }
 
+/// Whether they have a point in common.
+inline bool meet(const Box& first, const Box& second) {
+  return (first.low.array() <= second.high.array()).all() &&
+         (second.low.array() <= first.high.array()).all();
+}
+
 /// A bound [m^2] that no squared distance between points of the two boxes falls below, in computed
 /// arithmetic too: every step is monotone under rounding.
 inline double squaredDistance(const Box& first, const Box& second) {
