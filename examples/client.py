@@ -15,7 +15,9 @@ from organ_collision.srv import FindTrianglesWithin, FindTrianglesWithinRequest
 class Client:
     def __init__(self):
         self.alarm = rospy.get_param("~alarm", 0.005)  # [m]
-        node = rospy.get_param("~node", "organ_collision")
+        if not isinstance(self.alarm, (int, float)):
+            raise SystemExit(f"client.py: _alarm is {self.alarm!r}, but it must be a number of metres")
+        node = str(rospy.get_param("~node", "organ_collision"))
         self.told_at = {}  # when of each pair each thing was told last
         self.find = rospy.ServiceProxy(node + "/find_triangles_within", FindTrianglesWithin)
         rospy.loginfo("waiting for %s", self.find.resolved_name)

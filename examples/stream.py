@@ -17,8 +17,8 @@ HEIGHT = 0.005  # [m]
 
 
 def main():
-    node = rospy.get_param("~node", "organ_collision")
-    update = MeshUpdate(organ=rospy.get_param("~organ", ""))  # may be empty if there is one
+    node = str(rospy.get_param("~node", "organ_collision"))
+    update = MeshUpdate(organ=str(rospy.get_param("~organ", "")))  # may be empty if there is one
     get_mesh = rospy.ServiceProxy(node + "/get_mesh", GetMesh)
     rospy.loginfo("waiting for %s", get_mesh.resolved_name)
     get_mesh.wait_for_service()

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "mesh_readers.h"
+#include "shown.h"
 #include "welded_mesh.h"
 
 namespace organ_collision::io {
@@ -58,9 +59,9 @@ class Gatherer {
         m.d3, m.d4;
     if ((result.row(3) - Eigen::RowVector4d::UnitW()).cwiseAbs().maxCoeff() <= kAffine)
       return result;
-    std::ostringstream row;
-    row << result.row(3);
-    refuse(node, "the last row of its matrix is " + row.str() + ", but 0 0 0 1 is wanted");
+    std::string row;
+    for (const double number : result.row(3)) row += " " + shown(number);
+    refuse(node, "the last row of its matrix is" + row + ", but 0 0 0 1 is wanted");
   }
 
   void add(const aiMesh& mesh, const Eigen::Matrix4d& root_from_node) {
@@ -183,7 +184,9 @@ core::TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::
     if (!other_file.empty())
       throw std::invalid_argument("it needs another file, '" + other_file +
                                   "', but only itself is opened: save it as one file");
-    throw std::runtime_error(error);
+    if (error.find("No suitable reader found") == 0)
+      throw std::invalid_argument("it does not begin as files of its extension do, or is broken");
+    throw std::runtime_error(error.empty() ? "assimp cannot read it, and does not say why" : error);
   }
   requireRead(importer, extension);
   if (!first_loss.empty()) throw std::runtime_error("assimp says: " + first_loss);

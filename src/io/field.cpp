@@ -16,7 +16,11 @@ struct Shown {
   std::string operator()(std::monostate) const { return "null"; }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
   std::string operator()(int value) const { return std::to_string(value); }
-  std::string operator()(double value) const { return shown(value); }
+  std::string operator()(double value) const {
+    const std::string text = shown(value);
+    const bool is_like_an_integer = text.find_first_not_of("-0123456789") == std::string::npos;
+    return is_like_an_integer ? text + ".0" : text;
+  }
   std::string operator()(const std::string& value) const { return "'" + value + "'"; }
   std::string operator()(const List& value) const {
     return "a list of " + std::to_string(value.size());
@@ -104,7 +108,7 @@ std::string Field::frame() const {
   return frame;
 }
 
-bool Field::yesOrNo() const { return as<bool>("true or false"); }
+bool Field::yesOrNo() const { return as<bool>("true or false, without quotes"); }
 
 std::uint32_t Field::count() const {
   const char* const wanted = "an integer without a point, 0 or above";
@@ -114,12 +118,12 @@ std::uint32_t Field::count() const {
 }
 
 double Field::coordinate() const {
-  return number("a finite number of a magnitude below " + Shown()(core::kLargestCoordinate),
+  return number("a finite number of a magnitude below " + shown(core::kLargestCoordinate),
                 [](double number) { return std::abs(number) < core::kLargestCoordinate; });
 }
 
 double Field::length() const {
-  return number("a number above 0 and below " + Shown()(core::kLargestCoordinate),
+  return number("a number above 0 and below " + shown(core::kLargestCoordinate),
                 [](double number) { return number > 0.0 && number < core::kLargestCoordinate; });
 }
 
@@ -129,7 +133,7 @@ double Field::aboveZero() const {
 }
 
 double Field::upTo(double most) const {
-  return number("a number from 0 to " + Shown()(most),
+  return number("a number from 0 to " + shown(most),
                 [most](double number) { return number >= 0.0 && number <= most; });
 }
 

@@ -15,9 +15,12 @@ std::size_t readKeyword(TextLines& lines) {
                                                        "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
   lines.require("the keyword OFF");
   if (kKeywords.count(lines.words().front()) == 0) lines.refuse("the keyword OFF is wanted", 0);
-  if (lines.words().size() > 1) return 1;
-  lines.require("the number of vertices and faces");
-  return 0;
+  if (lines.words().size() == 1) {
+    lines.require("the number of vertices and faces");
+    return 0;
+  }
+  if (lines.words()[1] == "BINARY") lines.refuse("a binary OFF is not read: save it as text");
+  return 1;
 }
 
 std::int64_t count(const TextLines& lines, std::size_t word) {

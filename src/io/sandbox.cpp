@@ -17,12 +17,14 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <iomanip>
 #include <new>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 
 #include "address_sanitizer.h"
+#include "organ_collision/io/printable.h"
 
 namespace organ_collision::io {
 namespace {
@@ -176,7 +178,7 @@ std::string readAnswer(const std::string& what, int pipe, const ChildLimits& lim
   while (answer.size() <= limits.memory) {
     if (!waitForBytes(pipe, deadline)) {
       std::ostringstream seconds;
-      seconds << limits.seconds;
+      seconds << std::setprecision(2) << limits.seconds;
       refuse(what, "took longer than " + seconds.str() + " s");
     }
     const ssize_t count = ::read(pipe, block.data(), block.size());
@@ -193,7 +195,7 @@ std::string ending(int status) {
     return "ended, and nobody can say how: this program ignores SIGCHLD, or another part of it "
            "took the exit status";
   if (!WIFSIGNALED(status)) return "ended with exit code " + std::to_string(WEXITSTATUS(status));
-  return std::string("crashed: ") + ::strsignal(WTERMSIG(status));
+  return std::string("the process that reads it crashed: ") + ::strsignal(WTERMSIG(status));
 }
 
 }  // namespace
@@ -215,7 +217,7 @@ std::string runInChild(const std::string& what, const std::function<std::string(
   if (status != 0 && (!is_taken || answer.empty())) refuse(what, ending(status));
   const char kind = answer.empty() ? kRefusal : answer.front();
   answer.erase(0, 1);
-  if (kind != kResult) refuse(what, answer);
+  if (kind != kResult) refuse(what, printable(answer));
   return answer;
 }
 

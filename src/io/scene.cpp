@@ -211,7 +211,10 @@ void parsePairs(const Field& field, const NameTable& names, Scene& scene) {
     const auto is_same = [&](const NamedPair& other) {
       return other == pair || other == NamedPair{pair.second, pair.first};
     };
-    if (std::any_of(known.begin(), known.end(), is_same)) item.refuse("the pair is listed before");
+    if (std::any_of(known.begin(), known.end(), is_same)) {
+      const std::vector<Field> both = item.items(2);
+      item.refuse("'" + both[0].text() + "' and '" + both[1].text() + "' are listed before");
+    }
     known.push_back(pair);
     addPair(pair, scene);
   }

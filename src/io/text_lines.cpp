@@ -64,7 +64,7 @@ double TextLines::real(std::size_t i) const {
 std::int64_t TextLines::integer(std::size_t i, char end) const {
   std::int64_t number = 0;
   if (!parse(word(i).substr(0, word(i).find(end)), number))
-    refuse(quoted(word(i)) + " is not an integer");
+    refuse(quoted(word(i)) + " is not an integer that 64 bits can hold");
   return number;
 }
 

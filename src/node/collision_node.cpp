@@ -145,7 +145,7 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
 
 void CollisionNode::complainOfTf(std::string complaint) {
   log_.warn(complaint);
-  troubles_.tf_complaints.note(std::move(complaint));
+  troubles_.tf_complaints.note(complaint);
 }
 
 void CollisionNode::run() {

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "organ_collision/io/printable.h"
+
 namespace organ_collision::node {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr std::size_t kMostNoted = 100;        // that wait while the console bl
 }  // namespace
 
 void ComplaintLog::note(Noted noted) {
+  noted.complaint = io::printable(noted.complaint);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (noted_.size() < kMostNoted && limit_.allows(noted.complaint))
     noted_.push_back(std::move(noted));

@@ -1,6 +1,8 @@
 #include "node/conversions.h"
 
+#include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +15,16 @@ core::Points pointsFrom(const std::vector<Number>& coordinates) {
   if (coordinates.size() % 3 != 0) {
     throw std::invalid_argument("positions holds " + std::to_string(coordinates.size()) +
                                 " numbers: x, y and z are wanted of each vertex");
+  }
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const double coordinate = coordinates[i];
+    if (!std::isfinite(coordinate) || std::abs(coordinate) <= kLargest) continue;
+    std::ostringstream message;
+    message
+        << "positions[" << i << "] is " << coordinate
+        << ": coordinates must fit into a 32-bit float, as those of files, and as rviz has them";
+    throw std::invalid_argument(message.str());
   }
   core::Points points;
   points.reserve(coordinates.size() / 3);
@@ -173,6 +185,8 @@ core::TriangleMesh meshFrom(const UpdateMesh::Request& request) {
         "a new topology comes with all positions: indices must be empty, not " +
         std::to_string(request.indices.size()));
   }
+  if (request.positions.empty())
+    throw std::invalid_argument("a new topology comes with all positions: there are none");
   std::vector<core::Corners> triangles;
   triangles.reserve(request.triangles.size());
   for (const shape_msgs::MeshTriangle& triangle : request.triangles) {

@@ -25,17 +25,21 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     const FramePose pose = {tf2::transformToEigen(transform), transform.header.stamp};
     if (!isUsable(pose.target_from_source)) {
       std::ostringstream reason;
-      reason << "tf says that " << source << " is at "
-             << pose.target_from_source.translation().transpose() << " m in " << target
+      const Eigen::Vector3d place = pose.target_from_source.translation();
+      reason << "tf says that '" << source << "' is at (" << place.x() << ", " << place.y() << ", "
+             << place.z() << ") m in '" << target << "'"
              << ": more than " << kFarthest << " m away, or nowhere";
       return {std::nullopt, reason.str()};
     }
     return {pose, ""};
   } catch (const tf2::TransformException& error) {
+    for (const std::string& frame : {target, source})
+      if (!buffer._frameExists(frame)) return {std::nullopt, "tf knows no frame '" + frame + "'"};
     const std::string reason = error.what();  // of a loop, all frames follow, line by line
     return {std::nullopt, reason.substr(0, reason.find('\n'))};
-  } catch (const std::exception& error) {  // times too far apart for tf2 to say how far
-    return {std::nullopt, source + " in " + target + ": " + error.what()};
+  } catch (const std::exception&) {  // times too far apart for tf2 to say how far
+    return {std::nullopt, "where '" + source + "' is in '" + target +
+                              "' was asked for a time too far from those that tf knows"};
   }
 }
 

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <string>
 
+#include "organ_collision/io/printable.h"
+
 namespace organ_collision::node {
 
 /// What went wrong, until diagnostics tell it. For any threads.
@@ -15,7 +17,8 @@ class Incidents {
     std::string last;
   };
 
-  void note(std::string reason) {
+  void note(const std::string& what) {
+    std::string reason = io::printable(what);
     const std::lock_guard<std::mutex> lock(mutex_);
     ++news_.count;
     ++news_.more;

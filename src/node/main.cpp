@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <clocale>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -67,6 +68,7 @@ void waitForRosout() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setlocale(LC_CTYPE, "");  // the log shows names of files as they are
   endWhenTold();
   std::optional<ros::NodeHandle> keeps_the_log_open;  // it closes with the last handle
   try {

@@ -26,14 +26,16 @@ void MarkerPublisher::advertise(ros::NodeHandle& node) {
 }
 
 void MarkerPublisher::publish(const Cycle& cycle) {
-  if (publisher_.getNumSubscribers() == 0) return;
+  const std::uint32_t listeners = publisher_.getNumSubscribers();
+  const bool is_new = listeners > std::exchange(listeners_, listeners);
+  if (listeners == 0) return;
   const ros::SteadyTime now = ros::SteadyTime::now();
-  const bool draws_all = (now - all_drawn_).toSec() > kAllPeriod;
+  const bool draws_all = is_new || (now - all_drawn_).toSec() > kAllPeriod;
   visualization_msgs::MarkerArray markers;
   const auto add = [&markers](visualization_msgs::MarkerArray more) {
     std::move(more.markers.begin(), more.markers.end(), std::back_inserter(markers.markers));
   };
-  if (all_drawn_.isZero()) add(noMarkers(scene_.frame));
+  if (is_new) add(noMarkers(scene_.frame));  // of a former node it has some, perhaps
   add(contactMarkers(cycle.contacts, scene_, organs_));
   add(proximityMarkers(cycle.proximities));
   for (std::size_t i = 0; i < organs_.size(); ++i) {

@@ -20,8 +20,8 @@ class MarkerPublisher {
 
   void advertise(ros::NodeHandle& node);
 
-  /// A cycle's answers; organs that have changed since they were drawn; and, now and then, all
-  /// organs and instruments, for who starts to listen late.
+  /// A cycle's answers; organs that have changed since they were drawn; and all organs and
+  /// instruments for who starts to listen, and now and then for whose start was not seen.
   void publish(const Cycle& cycle);
 
  private:
@@ -31,6 +31,7 @@ class MarkerPublisher {
   ros::Publisher publisher_;
   std::vector<std::uint32_t> drawn_versions_;  // of the organs
   ros::SteadyTime all_drawn_;
+  std::uint32_t listeners_ = 0;  // the last time
 };
 
 }  // namespace organ_collision::node

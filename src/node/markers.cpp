@@ -35,11 +35,17 @@ std_msgs::ColorRGBA colour(double red, double green, double blue, double alpha =
   return result;
 }
 
+/// Darker after each six.
 std_msgs::ColorRGBA instrumentColour(std::size_t instrument) {
+  constexpr float kDarker = 0.6F;
   static const std::array<std_msgs::ColorRGBA, 6> kColours = {
       colour(1.0, 0.9, 0.0), colour(0.1, 1.0, 0.2), colour(0.2, 0.7, 1.0),
       colour(1.0, 0.5, 0.0), colour(0.9, 0.3, 1.0), colour(1.0, 1.0, 1.0)};
-  return kColours[instrument % kColours.size()];
+  std_msgs::ColorRGBA colour = kColours[instrument % kColours.size()];
+  for (std::size_t i = kColours.size(); i <= instrument; i += kColours.size()) {
+    for (float* const part : {&colour.r, &colour.g, &colour.b}) *part *= kDarker;
+  }
+  return colour;
 }
 
 Marker marker(const std::string& frame, const std::string& what, std::size_t id, int type,
@@ -106,15 +112,23 @@ void addNormal(visualization_msgs::MarkerArray& array, std::size_t id, const std
   array.markers.push_back(arrow);
 }
 
-/// Above a point.
+/// How many texts of the same instrument are below that of a pair.
+std::size_t linesBelow(const std::vector<io::Pair>& pairs, std::size_t number) {
+  const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(number);
+  return static_cast<std::size_t>(std::count_if(pairs.begin(), end, [&](const io::Pair& pair) {
+    return pair.instrument == pairs[number].instrument;
+  }));
+}
+
+/// Above a point, and so many lines of text there.
 void addText(visualization_msgs::MarkerArray& array, const std::string& what, std::size_t id,
-             const std::string& frame, const geometry_msgs::Point& point, const std::string& words,
-             bool is_alarming) {
+             const std::string& frame, const geometry_msgs::Point& point, std::size_t lines,
+             const std::string& words, bool is_alarming) {
   Marker text = marker(frame, what, id, Marker::TEXT_VIEW_FACING,
                        is_alarming ? colour(1, 0.3, 0.2) : colour(1, 1, 1));
   text.scale.z = kTextHeight;
   text.pose.position = point;
-  text.pose.position.z += 3.0 * kTextHeight;
+  text.pose.position.z += (3.0 + 1.5 * static_cast<double>(lines)) * kTextHeight;
   text.text = words;
   array.markers.push_back(text);
 }
@@ -272,10 +286,12 @@ visualization_msgs::MarkerArray contactMarkers(const ContactArray& contacts, con
     addLine(array, "tip_to_organ", i, frame, {contact.instrument_point, contact.nearest.point},
             colour);
     addNormal(array, i, frame, contact.nearest);
-    addText(
-        array, "distance", i, frame, contact.instrument_point,
-        inWords(contact.instrument, contact.nearest.distance, contact.colliding, contact.status),
-        contact.colliding || contact.status != Contact::OK);
+    const std::string who = organs.size() == 1
+                                ? contact.instrument
+                                : contact.instrument + " - " + organs[pair.organ]->name();
+    addText(array, "distance", i, frame, contact.instrument_point, linesBelow(scene.pairs, i),
+            inWords(who, contact.nearest.distance, contact.colliding, contact.status),
+            contact.colliding || contact.status != Contact::OK);
   }
   letGoAway(array);
   return array;
@@ -291,7 +307,7 @@ visualization_msgs::MarkerArray proximityMarkers(const ProximityArray& proximiti
             colour(0.95, 0.95, 0.95));
     const Eigen::Vector3d middle =
         0.5 * (fromPoint(proximity.point_on_first) + fromPoint(proximity.point_on_second));
-    addText(array, "proximity_distance", i, frame, toPoint(middle),
+    addText(array, "proximity_distance", i, frame, toPoint(middle), 0,
             inWords(proximity.first + " - " + proximity.second, proximity.distance,
                     proximity.colliding, proximity.status),
             proximity.colliding || proximity.status != Contact::OK);

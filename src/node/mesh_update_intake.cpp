@@ -42,10 +42,10 @@ void MeshUpdateIntake::take(const Event& event) {
     organ.countLostUpdates(std::exchange(missed_, 0));  // its own, most likely
     enqueue(organ, update);
   } catch (const std::exception& error) {
-    std::string refusal = "an update of the mesh of '" + update.organ + "' by '" +
-                          event.getPublisherName() + "': " + error.what();
+    const std::string refusal = "an update of the mesh of '" + update.organ + "' by '" +
+                                event.getPublisherName() + "': " + error.what();
     log_.refuse("refused " + refusal);
-    refusals_.note(std::move(refusal));
+    refusals_.note(refusal);
   }
 }
 

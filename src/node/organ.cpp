@@ -363,8 +363,9 @@ Organ& organNamed(const Organs& organs, const std::string& name) {
     if (organ->name() == name) return *organ;
     known += (known.empty() ? "" : ", ") + organ->name();
   }
-  throw std::invalid_argument((name.empty() ? "which organ?" : "there is no organ '" + name + "'") +
-                              ("; known: " + known));
+  throw std::invalid_argument(
+      (name.empty() ? "which organ? known: " : "there is no organ '" + name + "'; known: ") +
+      known);
 }
 
 }  // namespace organ_collision::node

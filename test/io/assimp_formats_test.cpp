@@ -237,6 +237,12 @@ TEST_F(AssimpFormats, RefusesWhatIsOfAnotherFormatThanTheExtensionSays) {
   EXPECT_NE(refusal("m.csm", obj(kTwoTriangles)), "");
 }
 
+TEST_F(AssimpFormats, TellsACauseWhereAssimpTellsNone) {
+  EXPECT_THAT(refusal("m.gltf", "{"), HasSubstr("does not begin as files of its extension do"));
+  EXPECT_THAT(refusal("m.ogex", "garbage garbage garbage garbage\n"),
+              HasSubstr("and does not say why"));
+}
+
 TEST_F(AssimpFormats, RefusesAMeshThatBonesMove) {
   std::string skinned = dae(kTwoTriangles, "1", R"(<instance_controller url="#c"/>)");
   skinned = replaced(skinned, "<library_visual_scenes>",

@@ -178,7 +178,7 @@ TEST_F(MeshFormats, RefusesABadOff) {
   EXPECT_THAT(refusal("m.off", "OFF\n3 1 0\n" + vertices + "3 0 1 2\n3 0 1 2\n"),
               HasSubstr("more follows than the counts say"));
   EXPECT_THAT(refusal("m.off", "OFF\n-3 1 0\n"), HasSubstr("the count -3 is negative"));
-  EXPECT_THAT(refusal("m.off", "OFF BINARY\n"), HasSubstr("'BINARY' is not an integer"));
+  EXPECT_THAT(refusal("m.off", "OFF BINARY\n"), HasSubstr("line 1: a binary OFF is not read"));
   EXPECT_THAT(refusal("m.off", "FOO\n"), HasSubstr("line 1: the keyword OFF is wanted, not 'FOO'"));
 }
 

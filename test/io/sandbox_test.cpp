@@ -128,7 +128,8 @@ TEST(Sandbox, SurvivesACrash) {
       std::raise(signal);
       return "alive";
     };
-    EXPECT_EQ(messageOf([&] { run(job); }), std::string("the job: crashed: ") + strsignal(signal));
+    EXPECT_EQ(messageOf([&] { run(job); }),
+              std::string("the job: the process that reads it crashed: ") + strsignal(signal));
   }
 }
 
@@ -292,7 +293,8 @@ TEST(Sandbox, WorksWithWhateverSignalHandlersTheParentHas) {
     std::raise(SIGSEGV);
     return "alive";
   };
-  EXPECT_THAT(messageOf([&] { run(job); }), StartsWith("the job: crashed"));
+  EXPECT_THAT(messageOf([&] { run(job); }),
+              StartsWith("the job: the process that reads it crashed"));
   std::signal(SIGSEGV, former);
 }
 

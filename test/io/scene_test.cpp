@@ -254,7 +254,7 @@ TEST(Scene, RefusesPairsThatMeanNothing) {
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("left", "left")})),
             "scene.pairs[1]: it names 'left' twice");
   EXPECT_EQ(refusal(withPairs({pair("left", "liver"), pair("liver", "left")})),
-            "scene.pairs[1]: the pair is listed before");
+            "scene.pairs[1]: 'liver' and 'left' are listed before");
   EXPECT_EQ(refusal(withPairs({Value(List{"left"})})),
             "scene.pairs[0]: a list of 1, but it must be a list of 2");
   EXPECT_EQ(refusal(withPairs({Value(List{"left", "liver", "stomach"})})),
@@ -334,7 +334,7 @@ TEST(Scene, RefusesAKeyThatBelongsToAnotherShape) {
   EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "link", "a"), "scale", 1))),
             "scene.instruments[0].scale: a link has none; a mesh has");
   EXPECT_EQ(refusal(withInstrument(with(with(instrument("left"), "link", "a"), "convex", 1))),
-            "scene.instruments[0].convex: 1, but it must be true or false");
+            "scene.instruments[0].convex: 1, but it must be true or false, without quotes");
 }
 
 TEST(Scene, TakesPairsOfInstrumentsAndOfOrgansInTheirOrder) {
@@ -349,7 +349,7 @@ TEST(Scene, TakesPairsOfInstrumentsAndOfOrgansInTheirOrder) {
   EXPECT_THAT(indices(parsed), ElementsAre(std::pair(0, 0)));
   EXPECT_TRUE(parseScene(scene()).like_pairs.empty());
   EXPECT_EQ(refusal(withPairs({pair("left", "right"), pair("right", "left")})),
-            "scene.pairs[1]: the pair is listed before");
+            "scene.pairs[1]: 'right' and 'left' are listed before");
 }
 
 TEST(Scene, RefusesATriangleWithoutItsCornersAndCornersWithoutATriangle) {

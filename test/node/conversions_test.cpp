@@ -108,6 +108,22 @@ TEST(Conversions, OfMovesRefuseIndicesWithoutPositions) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("2 indices given without positions")));
 }
 
+TEST(Conversions, OfPositionsRefuseWhatRvizCannotShow) {
+  UpdateMesh::Request request;
+  request.positions = {1, 2, 3, 4, -3.5e38, 6};
+  EXPECT_THAT([&] { movesFrom(request); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("positions[4] is -3.5e+38")));
+  request.positions[4] = 3.4e38;
+  EXPECT_THAT(movesFrom(request).positions, ElementsAre(Vector3d(1, 2, 3), Vector3d(4, 3.4e38, 6)));
+}
+
+TEST(Conversions, OfATopologyRefuseThatItHasNoPositions) {
+  UpdateMesh::Request request;
+  request.triangles.resize(1);
+  EXPECT_THAT([&] { meshFrom(request); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("there are none")));
+}
+
 TEST(Conversions, OfAMeshThereAndBackChangeNothing) {
   const core::TriangleMesh cube = test::cube();
   const shape_msgs::Mesh message = toMessage(cube);

@@ -94,11 +94,18 @@ TEST_F(MarkersTest, TellTheDistanceInMillimetresBesideTheInstrument) {
   contacts_.contacts[1].status = Contact::STALE;
   contacts_.contacts[1].nearest.distance = -0.001;
   const auto texts = markers("distance");
-  EXPECT_EQ(texts.front().text, "left 12.5 mm");
+  EXPECT_EQ(texts.front().text, "left - liver 12.5 mm");
   EXPECT_EQ(texts.front().pose.position.x, 10.5);
   EXPECT_GT(texts.front().pose.position.z, 1.25);
-  EXPECT_EQ(texts.back().text, "right -1.0 mm, touching, stale");
+  EXPECT_EQ(texts.back().text, "right - stomach -1.0 mm, touching, stale");
   EXPECT_NE(texts.back().color, texts.front().color);
+}
+
+TEST_F(MarkersTest, WriteTextsOfOneInstrumentAboveEachOther) {
+  scene_.pairs[1].instrument = scene_.pairs[0].instrument;
+  contacts_.contacts[1].instrument_point = contacts_.contacts[0].instrument_point;
+  const auto texts = markers("distance");
+  EXPECT_GT(texts[1].pose.position.z - texts[0].pose.position.z, texts[0].scale.z);
 }
 
 TEST_F(MarkersTest, ShowTheNearestTriangleInTheFrameOfItsOrgan) {

@@ -234,6 +234,12 @@ TEST_F(TransformIntakeTest, TimesThatAreTooFarApartForTfAreNoPose) {
   EXPECT_NE(lookUpFrame(buffer_, "liver", "tip", ros::TIME_MAX).reason, "");
 }
 
+TEST_F(TransformIntakeTest, AFrameThatNobodyToldOfIsNamed) {
+  hear("tip", 1.0, ros::Time(1.0), ros::Time(1.0));
+  EXPECT_EQ(lookUpFrame(buffer_, "tip", "probe").reason, "tf knows no frame 'probe'");
+  EXPECT_EQ(lookUpFrame(buffer_, "lever", "tip").reason, "tf knows no frame 'lever'");
+}
+
 TEST_F(TransformIntakeTest, ALoopIsToldInOneLine) {
   hear("fixed", 1.0, ros::Time(0), ros::Time(100.0), true);
   hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0), false, "arm");
