@@ -181,7 +181,8 @@ Contact contactOf(const AskerOf& asker, const Shapes& shapes,
     if (isNearer(piece, whole)) whole = piece;
   }
   whole.nearest.lower_bound = lower_bound;
-  const bool is_perhaps_deeper = tellsDepth(whole) && !all_signed;
+  const bool is_perhaps_deeper =
+      tellsDepth(whole) && (!all_signed || lower_bound < whole.nearest.distance);
   if (is_perhaps_deeper) {
     whole.nearest.lower_bound = deepest;
     whole.nearest.distance = whole.nearest.upper_bound;

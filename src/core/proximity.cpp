@@ -148,13 +148,11 @@ Proximity transformed(Proximity proximity, const Isometry3d& target_from_source)
 }
 
 Proximity united(const Proximity& one, const Proximity& other) {
-  const bool certain =
-      (one.colliding || one.colliding_certain) && (other.colliding || other.colliding_certain);
   Proximity nearer = other.distance < one.distance ? other : one;
   nearer.lower_bound = std::min(one.lower_bound, other.lower_bound);
   nearer.upper_bound = std::min(one.upper_bound, other.upper_bound);
   nearer.colliding = one.colliding || other.colliding;
-  nearer.colliding_certain = nearer.colliding || certain;
+  nearer.colliding_certain = nearer.colliding || (one.colliding_certain && other.colliding_certain);
   nearer.work = one.work;
   nearer.work += other.work;
   return nearer;

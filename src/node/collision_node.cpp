@@ -134,16 +134,16 @@ void CollisionNode::hearTf(const std::string& topic, bool is_static) {
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (pace_.hasRoomBetween(now) && intake_.overtakes(message)) answer(now);
     pace_.noteMessage(ros::SteadyTime::now());
-    for (std::string& complaint :
+    for (const std::string& complaint :
          intake_.take(message, event.getPublisherName(), is_static, ros::Time::now()))
-      complainOfTf(std::move(complaint));
+      complainOfTf(complaint);
     if (pace_.isGathering() && intake_.isComplete()) pace_.noteComplete();
   };
   tf_subscribers_.push_back(tf_node_.subscribe<tf2_msgs::TFMessage>(
       topic, kTfQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
-void CollisionNode::complainOfTf(std::string complaint) {
+void CollisionNode::complainOfTf(const std::string& complaint) {
   log_.warn(complaint);
   troubles_.tf_complaints.note(complaint);
 }
@@ -184,8 +184,8 @@ bool CollisionNode::answerAtOnce(ros::CallbackInterface& tf) {
 
 /// What tf has said, and what became of the organs, if that is any news or the heart beats.
 void CollisionNode::answer(ros::SteadyTime now) {
-  if (std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
-    complainOfTf(std::move(jump));  // what tf said before is no pose of now, though tf be silent
+  if (const std::string jump = intake_.noteTime(ros::Time::now()); !jump.empty())
+    complainOfTf(jump);  // what tf said before is no pose of now, though tf be silent
   intake_.noteAnswer();
   const bool tips_moved = cycle_.lookUpTips();
   const bool others_moved = proximity_cycle_.lookUp();

@@ -49,7 +49,7 @@ class CollisionNode {
 
  private:
   void hearTf(const std::string& topic, bool is_static);
-  void complainOfTf(std::string complaint);
+  void complainOfTf(const std::string& complaint);
   bool answerAtOnce(ros::CallbackInterface& tf);
   void answerInTurn(ros::SteadyTime now);
   void answer(ros::SteadyTime now);

@@ -264,6 +264,23 @@ TEST(ClosestPoint, LiesInTheTriangle) {
   });
 }
 
+/// Needles, caps, and queries that all but touch them.
+TEST(ClosestPoint, IsWhereTheOffsetLeads) {
+  HardTriangles triangles(17);
+  for (int i = 0; i < kSamples; ++i) {
+    const Vector3d a = triangles.inCube();
+    const Vector3d b = triangles.inCube();
+    const Vector3d base = a + (i % 2 == 0 ? triangles.uniform(0, 1) : 0.0) * (b - a);
+    const Triangle t = {a, b, base + triangles.magnitude(-15, 0) * triangles.inCube()};
+    const Vector3d above = triangles.magnitude(-18, 0) * (b - a).cross(t.c - a).stableNormalized();
+    const Vector3d query =
+        a + triangles.uniform(0, 0.5) * (b - a) + triangles.uniform(0, 0.5) * (t.c - a) + above;
+    const ClosestPoint closest = closestPointOnTriangle(query, t);
+    ASSERT_LE((closest.point - query - closest.offset).norm(),
+              8 * kPromise * kUnit * extentOf(query, t));
+  }
+}
+
 TEST(ClosestPoint, FeatureNamesTheCornersThatHaveWeight) {
   forEachSample(8, kSamples, [](const Vector3d& query, const Triangle& t) {
     const ClosestPoint closest = closestPointOnTriangle(query, t);

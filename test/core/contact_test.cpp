@@ -260,6 +260,34 @@ TEST(Contact, OfSeveralPiecesTellsTheDepthThatIsProvenWhereAnotherMayBeDeeper) {
   }
 }
 
+TEST(Contact, OfSeveralPiecesTellsOneOfItsBoundsWhereTheSearchStoppedEarly) {
+  std::mt19937 generator(83);
+  const CollisionMesh organ(test::blob(5));
+  const auto ball =
+      std::make_shared<const CollisionMesh>(test::placed(test::blob(3), 0.02, {0, 0, 0}));
+  const auto direction = [&] { return test::randomPoint(generator, 1.0).normalized(); };
+  int deeper = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Accuracy accuracy = {0.0, 0.0, i % 2 == 0 ? 4U : 16U};
+    RigidMesh inside = {ball, Eigen::Isometry3d::Identity()};
+    const NearestTriangle surface = nearestTriangle(organ, direction());
+    inside.pose.translation() = surface.closest.point - (0.01 + 1e-5 * i) * surface.normal;
+    const Eigen::Vector3d centre = (0.13 + 1.6e-4 * i) * direction();
+    const NearestTriangle outside = nearestTriangle(organ, centre, accuracy);
+    if (outside.distance <= 1e-5) continue;
+    const Shapes pieces = {inside, Sphere{centre, outside.distance - 1e-5}};
+    const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+    const NearestTriangle found = contact(organ, pieces, here, accuracy).nearest;
+    const NearestTriangle exact = contact(organ, pieces, here).nearest;
+    ASSERT_TRUE(found.distance == found.lower_bound || found.distance == found.upper_bound) << i;
+    if (!found.distance_signed) continue;
+    ASSERT_LE(found.lower_bound, exact.distance + 1e-15) << i;
+    ASSERT_GE(found.upper_bound, exact.distance - 1e-15) << i;
+    if (found.distance_signed && found.distance > found.lower_bound) ++deeper;
+  }
+  EXPECT_GT(deeper, 20);
+}
+
 TEST(Contact, OfSeveralPiecesIsCertainIfOneCollidesOrAllAreCertain) {
   const CollisionMesh organ(test::blob(4));
   const Shape unsure = Vector3d(0, 0, 0);

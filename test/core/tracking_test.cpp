@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -297,6 +298,56 @@ TEST(Tracker, FollowsFromAPointToATriangleOfWhichOtherCornersWereKnown) {
 }
 
 /// Then lengths are told in another unit.
+/// By as much as what is nearest next comes nearer.
+TEST(Tracker, FollowsOverAMeshWhoseMiddleMoves) {
+  Points points;
+  std::vector<Corners> triangles;
+  const auto add = [&](const Eigen::Vector3d& at, double size) {
+    const std::size_t first = points.size();
+    for (const Eigen::Vector3d& to :
+         {Eigen::Vector3d(-1, -1, 0), Eigen::Vector3d(1, -1, 0), Eigen::Vector3d(0, 1, 0)})
+      points.emplace_back(at + size * to);
+    triangles.push_back(test::corners(first, first + 1, first + 2));
+  };
+  add({0, 0, 0}, 0.01);
+  add({0, 0, -0.02}, 0.01);
+  for (int i = 0; i < 12; ++i)
+    for (const double side : {-1.0, 1.0}) add({0.9 * std::cos(i), 0.9 * std::sin(i), side}, 0.05);
+  CollisionMesh organ({points, triangles});
+  Tracker tracker;
+  Eigen::Vector3d tip(0, 0, 0.05);
+  for (int i = 0; i < 6; ++i) {
+    tip.x() += 1e-4;
+    tracker.nearestTriangle(organ, 0.0, tip);
+  }
+  for (std::size_t i = 3; i < 6; ++i) points[i].z() += 0.03;
+  for (std::size_t i = 6; i < points.size(); ++i) points[i].z() -= 0.03;
+  organ.refit(points);
+  const NearestTriangle tracked = tracker.nearestTriangle(organ, 0.0300001, tip);
+  EXPECT_EQ(tracked.distance, nearestTriangle(organ, tip).distance);
+}
+
+TEST(Tracker, FollowsSegmentsWhicheverOfTheirCornersCoincide) {
+  std::mt19937 generator(11);
+  const CollisionMesh organ(test::blob(4));
+  for (int round = 0; round < 300; ++round) {
+    Tracker tracker;
+    Eigen::Vector3d a = randomPoint(generator, 0.2);
+    Eigen::Vector3d b = a + randomPoint(generator, 0.05);
+    for (int i = 0; i < 8; ++i) {
+      a += randomPoint(generator, 1e-4);
+      b += randomPoint(generator, 1e-4);
+      const Eigen::Vector3d c = b + randomPoint(generator, 0.1);
+      const std::array<Triangle, 4> tips = {{{a, b, b}, {a, a, b}, {a, b, a}, {a, b, c}}};
+      const Triangle& tip = tips[i < 3 ? 0 : generator() % tips.size()];
+      const NearestTriangle tracked = tracker.nearestTriangle(organ, 0.0, tip);
+      const NearestTriangle searched = nearestTriangle(organ, tip);
+      ASSERT_EQ(tracked.distance, searched.distance) << round << " " << i;
+      ASSERT_EQ(tracked.triangle, searched.triangle) << round << " " << i;
+    }
+  }
+}
+
 TEST(Tracker, FollowsOverAMeshThatOutgrowsAPowerOfTwo) {
   const Points positions = test::blob(4).positions();
   const Box box = CollisionMesh(test::blob(4)).health().box;

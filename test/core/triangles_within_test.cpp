@@ -65,6 +65,19 @@ TEST(TrianglesWithin, AreThoseThatBruteForceFindsNearestFirst) {
   }
 }
 
+TEST(TrianglesWithin, AsFarAsTheNearestAreThatOneAtLeast) {
+  std::mt19937 generator(15);
+  for (unsigned round = 0; round < 300; ++round) {
+    const CollisionMesh organ(round % 2 == 0 ? test::blob(3) : test::soup(100, round));
+    for (int i = 0; i < 50; ++i) {
+      const int exponent = static_cast<int>(generator() % 60) - 3;
+      const Eigen::Vector3d tip = std::ldexp(1.0, exponent) * test::randomPoint(generator, 1.0);
+      const double distance = std::abs(nearestTriangle(organ, tip).distance);
+      ASSERT_FALSE(trianglesWithin(organ, tip, distance).triangles.empty()) << tip.transpose();
+    }
+  }
+}
+
 TEST(TrianglesWithin, AreFoundFromSoFarAwayThatSquaresOfAMeshsSizesOverflow) {
   const CollisionMesh speck(test::cube(1e-80));
   EXPECT_EQ(trianglesWithin(speck, {1e85, 0, 0}, 2e85).triangles.size(), 12);

@@ -230,7 +230,8 @@ class Starts(unittest.TestCase):
                                        timeout=LONGEST_START, check=False)
             except subprocess.TimeoutExpired:
                 return f"{arguments}: runs on"
-            wanted = f"{program}: /{name}/{parameter} is {value}, but it must be "
+            said = "is not set" if value is None else f"is {value}"
+            wanted = f"{program}: /{name}/{parameter} {said}, but it must be "
             if ended.returncode == 1 and ended.stderr.startswith(wanted) and ended.stderr.count("\n") == 1:
                 return ""
             return f"{arguments}: ends with {ended.returncode}, saying {ended.stderr}"
@@ -241,7 +242,7 @@ class Starts(unittest.TestCase):
 
     def test_the_crtk_relay_ends_with_an_error_that_names_the_wrong_parameter(self):
         self.check_bad_parameters("crtk_relay", [
-            ([], "arms", "None"),
+            ([], "arms", None),
             (["_arms:=[PSM1]"], "arms", "['PSM1']"),
             (["_arms:={}"], "arms", "{}"),
             (["_arms:={PSM1: 5}"], "arms/PSM1", "5"),
@@ -259,7 +260,7 @@ class Starts(unittest.TestCase):
     def test_the_sweep_ends_with_an_error_that_names_the_wrong_parameter(self):
         good = {"parent": "grid", "child": "tip", "low": "[0, 0, 0]", "high": "[1, 1, 0]"}
         wrong = [
-            ("low", None, "None"),
+            ("low", None, None),
             ("low", "0.5", "0.5"),
             ("low", "[0, 0]", "[0, 0]"),
             ("low", "[0, zero, 0]", "[0, 'zero', 0]"),
@@ -267,9 +268,10 @@ class Starts(unittest.TestCase):
             ("high", "[0, 1, 0]", "[0, 1, 0]"),
             ("rate", "0", "0"),
             ("rate", "fast", "'fast'"),
-            ("child", None, "None"),
-            ("parent", None, "None"),
+            ("child", None, None),
+            ("parent", None, None),
             ("parent", "''", "''"),
+            ("parent", "tip", "'tip'"),
         ]
         self.check_bad_parameters("sweep", [
             ([f"_{key}:={text}" for key, text in {**good, name: value}.items() if text is not None], name, told)
