@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <random>
@@ -67,6 +68,18 @@ TEST(Shape, IsNotUsableWhereAPoseStretchesIt) {
   RigidMesh cube = rigidCube();
   cube.pose = Eigen::Isometry3d(Eigen::Matrix4d(Eigen::Vector4d(2, 2, 2, 1).asDiagonal()));
   EXPECT_THROW(requireUsable(cube), std::invalid_argument);
+}
+
+TEST(Shape, IsUsableWithWhatIsLessThanTheLimits) {
+  const auto stretched = [](double by) {
+    RigidMesh cube = rigidCube();
+    cube.pose.linear()(0, 0) = std::sqrt(1.0 + by);
+    return cube;
+  };
+  EXPECT_NO_THROW(requireUsable(stretched(0.06)));
+  EXPECT_THROW(requireUsable(stretched(0.065)), std::invalid_argument);
+  EXPECT_NO_THROW(requireUsable(Sphere{{0, 0, 0}, 0.999e150}));
+  EXPECT_THROW(requireUsable(Sphere{{0, 0, 0}, 1e150}), std::invalid_argument);
 }
 
 TEST(Shape, IsNotUsableWhereAPoseMirrorsIt) {

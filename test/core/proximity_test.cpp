@@ -85,6 +85,20 @@ TEST(Proximity, WithAMeshNamesItsTriangle) {
   EXPECT_EQ(inside.normal, Vector3d(0, 0, -1));  // the way in
 }
 
+TEST(Proximity, OfAPointOnAMeshHasItsNormal) {
+  const Proximity found = proximity(Vector3d(0.5, 0.25, 1.0), cubeAt({0, 0, 0}));
+  EXPECT_EQ(found.distance, 0.0);
+  EXPECT_EQ(found.normal, Vector3d(0, 0, -1));
+}
+
+TEST(Proximity, OfAnOpenMeshIsNotPerhapsDeeper) {
+  const RigidMesh grid = {std::make_shared<const CollisionMesh>(test::grid(4, 4)),
+                          Isometry3d::Identity()};
+  const Proximity found = proximity(Sphere{{1.3, 2.2, 2.0}, 0.5}, grid);
+  EXPECT_EQ(found.distance, 1.5);
+  EXPECT_EQ(found.lower_bound, 1.5);
+}
+
 TEST(Proximity, OfTwoMeshesNamesBothTriangles) {
   const Proximity beside = proximity(cubeAt({0, 0, 0}), cubeAt({0.25, 0.25, 3}, 0.5));
   EXPECT_EQ(beside.distance, 2);

@@ -28,7 +28,8 @@ struct Contact {
 
 /// `shape` is in the organ's frame; the promises of `accuracy` hold for the distance of the whole
 /// shape. Throws as nearestTriangle() and requireUsable() do. Costs one nearestTriangle(), at most
-/// two of a shape with a radius that may be wrong by a relative error; of a mesh a nearestPair().
+/// two of a shape with a radius that may be wrong by a relative error, of `max_leaves` each; of a
+/// mesh a nearestPair().
 Contact contact(const CollisionMesh& organ, const Shape& shape, const Accuracy& accuracy = {});
 
 /// Of an instrument of several pieces: `nearest` is that of the piece that is nearest or deepest.
