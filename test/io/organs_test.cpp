@@ -12,6 +12,7 @@
 #include "brute_force.h"
 #include "core/organs_and_tips.h"
 #include "organ_collision/core/nearest_triangle.h"
+#include "organ_collision/core/self_intersections.h"
 #include "organ_collision/core/triangle_intersection.h"
 #include "organ_collision/io/mesh_io.h"
 #include "paper_hierarchy.h"
@@ -123,6 +124,7 @@ class Liver : public testing::Test {
 TEST_F(Liver, IsAClosedOrganOfHumanSizeWithoutAnythingToWarnOf) {
   EXPECT_TRUE(liver_.health().isSolid());
   EXPECT_TRUE(core::warnings(liver_.health()).empty());
+  EXPECT_EQ(core::warning(core::selfIntersections(liver_, 1)), "");
   const Eigen::Vector3d size = liver_.health().box.high - liver_.health().box.low;
   EXPECT_GT(size.maxCoeff(), 0.15);
   EXPECT_LT(size.maxCoeff(), 0.25);
