@@ -67,8 +67,10 @@ NearestTriangle nearestWithin(const Asker& asker, const RoundShape& shape,
   if (isGoodEnough(nearest, shape.radius, accuracy)) return nearest;
   const double allowed =
       accuracy.max_relative_error * std::max(0.0, nearest.lower_bound - shape.radius);
-  return asker.nearestToCore(
+  NearestTriangle better = asker.nearestToCore(
       shape.core, {0.0, std::max(accuracy.max_absolute_error, allowed), accuracy.max_leaves});
+  better.work += nearest.work;
+  return better;
 }
 
 /// The unit vector perpendicular to `axis` that is nearest to `direction`, which has length 1 or 0;

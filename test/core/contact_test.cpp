@@ -159,6 +159,38 @@ TEST(Contact, OfAMeshAroundAnOpenSurfaceHasNoSignButCollides) {
   EXPECT_TRUE(both.colliding);
 }
 
+TEST(Contact, OfASphereLooksAtNoMoreThanTheAccuracyAsksFor) {
+  std::mt19937 generator(84);
+  const CollisionMesh organ(test::blob(5));
+  int spent = 0, again = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d centre = 0.3 * test::randomPoint(generator, 1.0).normalized();
+    const auto triangles_of_core = [&](const Accuracy& accuracy) {
+      return nearestTriangle(organ, centre, accuracy).work.triangles;
+    };
+    const auto triangles_within = [&](double radius, const Accuracy& accuracy) {
+      return contact(organ, Sphere{centre, radius}, accuracy).nearest.work.triangles;
+    };
+    const double nearly_touching = 0.999 * nearestTriangle(organ, centre).distance;
+    const Accuracy few = {1e-6, 0.0, 4};
+    if (triangles_of_core(few) >= few.max_leaves) {
+      EXPECT_EQ(triangles_within(nearly_touching, few), triangles_of_core(few));
+      ++spent;
+    }
+    const Accuracy rough = {0.5, 0.0, 0};
+    EXPECT_EQ(triangles_within(0.3, rough), triangles_of_core(rough)) << "it meets the organ";
+    const Accuracy absolute = {0.5, 0.01, 0};
+    const NearestTriangle first = nearestTriangle(organ, centre, absolute);
+    if (first.upper_bound - first.lower_bound > 0.01 && first.upper_bound > nearly_touching) {
+      EXPECT_EQ(triangles_within(nearly_touching, absolute),
+                triangles_of_core(absolute) + triangles_of_core({0.0, 0.01, 0}));
+      ++again;
+    }
+  }
+  EXPECT_GT(spent, 20);
+  EXPECT_GT(again, 20);
+}
+
 TEST(Contact, OfABallAroundTheWholeOrganIsACollision) {
   const CollisionMesh cube(test::cube());
   const Contact around = contact(cube, Sphere{{0.5, 0.5, 1.5}, 10.0});
