@@ -129,9 +129,12 @@ TEST(NearestPair, OfWhatIsTooFarOrTooLargeToTellTrianglesApartAsksNotAllPairs) {
     EXPECT_LE(nearest.lower_bound, least * (1 + 1e-15));
     EXPECT_GE(nearest.upper_bound, least * (1 - 1e-15));
     PairTracker tracker;
-    for (int i = 0; i < 2; ++i)
-      EXPECT_EQ(tracker.nearestPair(tool, 0.0, pose, organ, 0.0).nearest.distance,
-                nearest.distance);
+    for (int i = 0; i < 2; ++i) {
+      const NearestTriangle tracked = tracker.nearestPair(tool, 0.0, pose, organ, 0.0).nearest;
+      EXPECT_EQ(tracked.distance, nearest.distance);
+      EXPECT_EQ(tracked.lower_bound, nearest.lower_bound);
+      EXPECT_EQ(tracked.upper_bound, nearest.upper_bound);
+    }
   };
   const Box& box = tool.health().box;
   check(at(0x1p46, 0.0, 0.0), tool, 0x1p46 - (box.high - box.low).x());
