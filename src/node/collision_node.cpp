@@ -97,7 +97,7 @@ CollisionNode::CollisionNode(const ros::NodeHandle& node, ros::NodeHandle privat
   spinner_.start();
   for (const std::string& sentence : report(scene_, instruments_, organs_))
     ROS_INFO("%s", sentence.c_str());
-  ROS_INFO("%zu organs, %zu instruments, %zu pairs: ready", scene_.organs.size(),
+  ROS_INFO("ready; organs: %zu, instruments: %zu, pairs: %zu", scene_.organs.size(),
            scene_.instruments.size(), scene_.pairs.size() + scene_.like_pairs.size());
   updater_ = std::thread(&CollisionNode::updateOrgans, this);  // last: a thread cannot be left
 }

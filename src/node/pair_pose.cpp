@@ -102,7 +102,7 @@ std::string PairPose::complaint(const ros::Time& now, double stale_after,
                         const std::string& source) {
     const double age = ageOf(pose, now).toSec();
     if (age < 0.0) return what + " is " + std::to_string(-age) + " s ahead of the clock";
-    return what + " is " + std::to_string(age) + " s old: since then tf has not told where '" +
+    return what + " is " + std::to_string(age) + " s old: of a later time tf has not told where '" +
            quietest(buffer, source, target) + "' is";
   };
   if (!isOfNow(*second_from_first_, now, stale_after))

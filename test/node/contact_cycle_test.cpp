@@ -130,10 +130,10 @@ TEST_F(ContactCycleTest, ComplainsOfTheFrameThatTfTellsNoMoreOf) {
   place("arm", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
   place("arm", "left_tip", {0.5, 0.5, 3.0}, ros::Time(105.0));
   EXPECT_EQ(complaint(ros::Time(105.0)),
-            "the last pose is 5.000000 s old: since then tf has not told where 'arm' is");
+            "the last pose is 5.000000 s old: of a later time tf has not told where 'arm' is");
   place("world", "arm", {10, 0, 0}, ros::Time(106.0));
   EXPECT_EQ(complaint(ros::Time(107.0)),
-            "the last pose is 2.000000 s old: since then tf has not told where 'left_tip' is");
+            "the last pose is 2.000000 s old: of a later time tf has not told where 'left_tip' is");
 }
 
 TEST_F(ContactCycleTest, AStaticTipThatIsTakenElsewhereIsNews) {
