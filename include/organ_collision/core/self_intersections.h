@@ -21,8 +21,8 @@ struct SelfIntersections {
 /// that are at the same places: there the surface crosses, touches or covers itself, and what is
 /// inside is not known. Where the vertices are now; exact, by the signs of predicates. Triangles of
 /// zero area count for none. At most `max_pairs` of them, the first ones found. Gives up, too,
-/// where a triangle's box meets thousands of others on average. Cost: about n log n;
-/// where neighbours lie in one plane, what exact signs take, which is far more.
+/// where a thousand boxes and triangles would have to be looked at for each triangle.
+/// Cost: about n log n; where neighbours lie in one plane, far more, for exact signs.
 SelfIntersections selfIntersections(const CollisionMesh& organ, std::size_t max_pairs);
 
 /// One sentence if anything was found, or it is not known; else nothing.
