@@ -33,8 +33,8 @@ FrameLookup lookUpFrame(const tf2::BufferCore& buffer, const std::string& target
     }
     return {pose, ""};
   } catch (const tf2::TransformException& error) {
-    for (const std::string& frame : {target, source})
-      if (!buffer._frameExists(frame)) return {std::nullopt, "tf knows no frame '" + frame + "'"};
+    for (const std::string* frame : {&target, &source})
+      if (!buffer._frameExists(*frame)) return {std::nullopt, "tf knows no frame '" + *frame + "'"};
     const std::string reason = error.what();  // of a loop, all frames follow, line by line
     return {std::nullopt, reason.substr(0, reason.find('\n'))};
   } catch (const std::exception&) {  // times too far apart for tf2 to say how far

@@ -315,7 +315,7 @@ TEST(Contact, OfSeveralPiecesTellsOneOfItsBoundsWhereTheSearchStoppedEarly) {
     if (!found.distance_signed) continue;
     ASSERT_LE(found.lower_bound, exact.distance + 1e-15) << i;
     ASSERT_GE(found.upper_bound, exact.distance - 1e-15) << i;
-    if (found.distance_signed && found.distance > found.lower_bound) ++deeper;
+    if (found.distance > found.lower_bound) ++deeper;
   }
   EXPECT_GT(deeper, 20);
 }

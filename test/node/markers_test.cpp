@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <set>
@@ -106,6 +107,16 @@ TEST_F(MarkersTest, WriteTextsOfOneInstrumentAboveEachOther) {
   contacts_.contacts[1].instrument_point = contacts_.contacts[0].instrument_point;
   const auto texts = markers("distance");
   EXPECT_GT(texts[1].pose.position.z - texts[0].pose.position.z, texts[0].scale.z);
+}
+
+TEST_F(MarkersTest, GiveEachOfEightInstrumentsAColourOfItsOwn) {
+  const Instruments instruments(8, {"left", "left_tip", {core::Shape(Eigen::Vector3d(0, 0, 0))}});
+  std::set<std::array<float, 3>> colours;
+  for (std::size_t i = 0; i < instruments.size(); ++i) {
+    const auto& colour = instrumentMarkers(instruments, i).markers.front().color;
+    colours.insert({colour.r, colour.g, colour.b});
+  }
+  EXPECT_THAT(colours, SizeIs(8));
 }
 
 TEST_F(MarkersTest, ShowTheNearestTriangleInTheFrameOfItsOrgan) {

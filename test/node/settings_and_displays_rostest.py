@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What a person at the console sets and sees: dynamic_reconfigure, /diagnostics, rviz's markers."""
+import subprocess
 import unittest
 
 import numpy as np
@@ -115,6 +116,15 @@ class SettingsAndDisplays(unittest.TestCase):
             return {(each.ns, each.header.frame_id) for each in array.markers if each.ns.startswith("shape_of_")}
         array = Inbox("organ_collision/markers", MarkerArray).wait_for(frames)
         self.assertTrue({("shape_of_left", "left_tip"), ("shape_of_right", "right_tip")} <= frames(array))
+
+    def test_who_starts_to_look_later_is_shown_all_at_once(self):
+        first = Inbox("greedy/markers", MarkerArray)
+        first.wait_for()
+        # A process of its own: here, all who listen share one connection.
+        later = subprocess.run(["rostopic", "echo", "-n3", "/greedy/markers"], capture_output=True, text=True,
+                               timeout=PATIENCE, check=True).stdout
+        self.assertIn(f"action: {Marker.DELETEALL}\n", later)
+        self.assertIn("surface_of_", later)
 
     def test_the_first_markers_take_away_what_a_former_node_has_shown(self):
         markers = Inbox("greedy/markers", MarkerArray)
