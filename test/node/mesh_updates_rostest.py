@@ -8,6 +8,7 @@ import numpy as np
 import rospy
 from deforming_liver import REFITS, TIP, DeformingLiver
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log
 from rostest_support import TOLERANCE, Inbox, Services, Surface, check_nearest, run, wait_until
 
 from organ_collision.msg import MeshInfo
@@ -149,12 +150,14 @@ class MeshUpdates(DeformingLiver):
             for status in array.status))
 
     def test_a_surface_that_crosses_itself_is_told(self):
+        log = Inbox("/rosout", Log)
         crossing = self.loaded.vertices.copy()
         crossing[0] = 2 * crossing.mean(axis=0) - crossing[0]
         self.update(crossing, triangles=self.loaded.triangles)
         Inbox("/diagnostics", DiagnosticArray).wait_for(lambda array: any(
             status.level == DiagnosticStatus.WARN and re.search("liver: triangles .* cross or touch", status.message)
             for status in array.status))
+        log.wait_for(lambda entry: re.match("'liver', as it is now: triangles .* cross or touch", entry.msg))
 
     def test_the_expected_version_is_accepted_if_it_is_the_current_one(self):
         self.assertEqual(self.update(self.deformed(), expected_version=self.version).mesh_version, self.version + 1)
