@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "organ_collision/core/triangle_mesh.h"
+#include "organ_collision/io/message_text.h"
 #include "shown.h"
 
 namespace organ_collision::io {
@@ -35,12 +36,6 @@ bool isNumber(const std::string& text) {
 }
 
 }  // namespace
-
-std::string joined(const std::vector<std::string_view>& names) {
-  std::string text;
-  for (const std::string_view name : names) text.append(text.empty() ? "" : ", ").append(name);
-  return text;
-}
 
 template <typename Kind>
 const Kind& Field::as(const std::string& wanted) const {

@@ -46,7 +46,4 @@ class Field {
   std::string path_;
 };
 
-/// "one, two, three"
-std::string joined(const std::vector<std::string_view>& names);
-
 }  // namespace organ_collision::io

@@ -11,6 +11,7 @@
 
 #include "mesh_draft.h"
 #include "mesh_readers.h"
+#include "organ_collision/io/message_text.h"
 #include "shown.h"
 #include "text_lines.h"
 
@@ -44,9 +45,9 @@ Value named(const TextLines& lines, std::size_t word,
             const std::map<std::string_view, Value>& values) {
   const auto found = word < lines.words().size() ? values.find(lines.words()[word]) : values.end();
   if (found != values.end()) return found->second;
-  std::string known;
-  for (const auto& [name, value] : values) known.append(" ").append(name);
-  lines.refuse("word " + std::to_string(word + 1) + " must be one of:" + known, word);
+  std::vector<std::string_view> known;
+  for (const auto& entry : values) known.push_back(entry.first);
+  lines.refuse("word " + std::to_string(word + 1) + " must be one of " + joined(known), word);
 }
 
 Type typeNamed(const TextLines& lines, std::size_t word) {
@@ -110,9 +111,10 @@ Header readHeader(TextLines& lines) {
 const Element& elementNamed(const Header& header, const std::string& name) {
   const auto is_it = [&](const Element& element) { return element.name == name; };
   if (std::count_if(header.elements.begin(), header.elements.end(), is_it) != 1) {
-    std::string known;
-    for (const Element& element : header.elements) known.append(" ").append(element.name);
-    throw std::invalid_argument("the header must have one element " + name + "; it has:" + known);
+    std::vector<std::string_view> known;
+    for (const Element& element : header.elements) known.emplace_back(element.name);
+    throw std::invalid_argument("the header must have one element " + name +
+                                "; it has: " + joined(known));
   }
   return *std::find_if(header.elements.begin(), header.elements.end(), is_it);
 }

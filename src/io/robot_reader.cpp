@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bytes.h"
+#include "organ_collision/io/message_text.h"
 #include "sandbox.h"
 
 namespace organ_collision::io {
@@ -49,11 +50,9 @@ class Errors : public console_bridge::OutputHandler {
 
 const urdf::Link& linkNamed(const urdf::ModelInterface& robot, const std::string& name) {
   if (const urdf::LinkConstSharedPtr link = robot.getLink(name)) return *link;
-  std::string known;
-  for (const auto& [other, link] : robot.links_) {
-    known.append(known.empty() ? "" : ", ").append(other);
-  }
-  refuse("there is none of this name; there are: " + known);
+  std::vector<std::string_view> known;
+  for (const auto& entry : robot.links_) known.emplace_back(entry.first);
+  refuse("there is none of this name; there are: " + joined(known));
 }
 
 /// urdfdom leaves out all but the first. `number` of the link's, from 1.

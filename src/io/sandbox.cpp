@@ -24,7 +24,7 @@
 #include <system_error>
 
 #include "address_sanitizer.h"
-#include "organ_collision/io/printable.h"
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::io {
 namespace {

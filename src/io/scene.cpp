@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "field.h"
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::io {
 namespace {

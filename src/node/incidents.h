@@ -4,7 +4,7 @@
 #include <mutex>
 #include <string>
 
-#include "organ_collision/io/printable.h"
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::node {
 

@@ -2,40 +2,35 @@
 
 #include <array>
 #include <cstdio>
+#include <string_view>
+
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::node {
 namespace {
 
 using Of = io::LikePair::Of;
 
-/// A list in words, to which names are added.
-class Names {
- public:
-  void add(const std::string& name) { text_ += (text_.empty() ? "" : ", ") + name; }
-  std::string orElse(const std::string& nobody) const { return text_.empty() ? nobody : text_; }
-
- private:
-  std::string text_;
-};
+using Names = std::vector<std::string_view>;
 
 /// Adds the other of a pair of two like ones.
 void addOther(const io::LikePair& pair, std::size_t one, const std::string& first,
               const std::string& second, Names& names) {
-  if (pair.first == one) names.add(second);
-  if (pair.second == one) names.add(first);
+  if (pair.first == one) names.emplace_back(second);
+  if (pair.second == one) names.emplace_back(first);
 }
 
 std::string partnersOfInstrument(const io::Scene& scene, std::size_t instrument) {
   Names names;
   for (const io::Pair& pair : scene.pairs)
-    if (pair.instrument == instrument) names.add(scene.organs[pair.organ].name);
+    if (pair.instrument == instrument) names.emplace_back(scene.organs[pair.organ].name);
   for (const io::LikePair& pair : scene.like_pairs) {
     if (pair.of == Of::kInstruments) {
       addOther(pair, instrument, scene.instruments[pair.first].name,
                scene.instruments[pair.second].name, names);
     }
   }
-  return names.orElse("");
+  return io::joined(names);
 }
 
 std::string cost(std::size_t bytes, double seconds) {
@@ -64,14 +59,14 @@ std::string reportOn(const Organ& organ, const std::string& partners) {
 
 std::string reportOn(const Instrument& instrument, const std::string& partners) {
   if (partners.empty()) return instrument.name + ": in no pair: nothing built";
-  Names kinds;
+  std::vector<std::string> kinds;
   std::size_t bytes = instrument.shapes.size() * sizeof(core::Shape);
   for (const core::Shape& shape : instrument.shapes) {
-    kinds.add(kindOf(shape));
+    kinds.push_back(kindOf(shape));
     if (const auto* mesh = std::get_if<core::RigidMesh>(&shape)) bytes += mesh->surface->memory();
   }
-  return instrument.name + ": " + kinds.orElse("nothing") + " for " + partners + ": " +
-         cost(bytes, instrument.build_time);
+  return instrument.name + ": " + io::joined({kinds.begin(), kinds.end()}) + " for " + partners +
+         ": " + cost(bytes, instrument.build_time);
 }
 
 }  // namespace
@@ -79,13 +74,13 @@ std::string reportOn(const Instrument& instrument, const std::string& partners) 
 std::string partnersOfOrgan(const io::Scene& scene, std::size_t organ) {
   Names names;
   for (const io::Pair& pair : scene.pairs)
-    if (pair.organ == organ) names.add(scene.instruments[pair.instrument].name);
+    if (pair.organ == organ) names.emplace_back(scene.instruments[pair.instrument].name);
   for (const io::LikePair& pair : scene.like_pairs) {
     if (pair.of == Of::kOrgans) {
       addOther(pair, organ, scene.organs[pair.first].name, scene.organs[pair.second].name, names);
     }
   }
-  return names.orElse("no pair, but the services");
+  return names.empty() ? "no pair, but the services" : io::joined(names);
 }
 
 std::vector<std::string> report(const io::Scene& scene, const Instruments& instruments,

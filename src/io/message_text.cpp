@@ -1,4 +1,4 @@
-#include "organ_collision/io/printable.h"
+#include "organ_collision/io/message_text.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -15,6 +15,12 @@ std::string printable(std::string_view text) {
   std::replace_if(shown.begin(), shown.end(), is_control, '?');
   const std::size_t rest = text.size() - shown.size();
   return rest == 0 ? shown : shown + "... (" + std::to_string(rest) + " more bytes)";
+}
+
+std::string joined(const std::vector<std::string_view>& names) {
+  std::string text;
+  for (const std::string_view name : names) text.append(text.empty() ? "" : ", ").append(name);
+  return text;
 }
 
 }  // namespace organ_collision::io

@@ -1,4 +1,4 @@
-#include "organ_collision/io/printable.h"
+#include "organ_collision/io/message_text.h"
 
 #include <gmock/gmock.h>
 
@@ -24,6 +24,12 @@ TEST(Printable, ShortensWhatIsLong) {
   EXPECT_EQ(printable(std::string(1000, 'x')), std::string(1000, 'x'));
   EXPECT_THAT(shown, EndsWith("x... (3999000 more bytes)"));
   EXPECT_LT(shown.size(), 1100U);
+}
+
+TEST(Joined, ListsNames) {
+  EXPECT_EQ(joined({}), "");
+  EXPECT_EQ(joined({"liver"}), "liver");
+  EXPECT_EQ(joined({"liver", "kidney", "spleen"}), "liver, kidney, spleen");
 }
 
 }  // namespace
