@@ -80,20 +80,27 @@ void checkNumbers(std::string_view text, std::string_view tag) {
   });
 }
 
-/// assimp passes over those whose count it cannot read, or is told to be 0.
+/// assimp passes over those whose count it cannot read, or is told to be 0, or is not told.
 void checkCount(std::string_view text, const std::string& name) {
   forEachTag(text, "<" + name, [&](std::size_t begin, std::string_view attributes) {
     const std::optional<std::string_view> count = attributeOf(attributes, "count");
-    if (!count) return;
-    const std::size_t digits = behind(kBlanks, *count, 0);
-    if (digits == count->size() || behind(kDigitsAndBlanks, *count, 0) != count->size())
+    if (count && (behind(kBlanks, *count, 0) == count->size() ||
+                  behind(kDigitsAndBlanks, *count, 0) != count->size()))
       refuse(text, begin, quoted(*count) + " is no count of " + name);
-    if (count->find_first_of("123456789") != kNowhere) return;
+    if (count && count->find_first_of("123456789") != kNowhere) return;
     const std::string_view content = text.substr(begin, text.find("</" + name, begin) - begin);
     forEachTag(content, "<p", [&](std::size_t indices, std::string_view) {
       if (isOneOf("0123456789", content, behind(kBlanks, content, indices)))
-        refuse(text, begin, "the count of " + name + " is 0, but there are some");
+        refuse(text, begin,
+               "the count of " + name + (count ? " is 0" : " is missing") + ", but there are some");
     });
+  });
+}
+
+/// assimp takes a fan for a polygon, which it fills by triangles of its own.
+void checkFans(std::string_view text) {
+  forEachTag(text, "<trifans", [&](std::size_t begin, std::string_view) {
+    refuse(text, begin, "trifans are not read: save the mesh as triangles");
   });
 }
 
@@ -155,8 +162,9 @@ bool changesNoShape(std::string_view extension) {
 void checkDae(std::string_view text) {
   checkUnit(text);
   checkRotations(text);
+  checkFans(text);
   for (const char* const tag : {"<p", "<vcount"}) checkNumbers(text, tag);
-  for (const char* const name : {"triangles", "polylist", "polygons", "tristrips", "trifans"})
+  for (const char* const name : {"triangles", "polylist", "polygons", "tristrips"})
     checkCount(text, name);
 }
 

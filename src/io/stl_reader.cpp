@@ -131,7 +131,8 @@ core::TriangleMesh readStl(std::string_view bytes) {
   throw std::invalid_argument(
       "it is neither text, which begins with the word solid, nor as long as a binary file is of "
       "the triangles that it counts: it has " +
-      std::to_string(bytes.size()) + " bytes, but " + std::to_string(size) + " are wanted");
+      std::to_string(bytes.size()) + " bytes, but " + std::to_string(size) + " are wanted for " +
+      std::to_string((size - kHeader - kCount) / kFacet));
 }
 
 }  // namespace organ_collision::io

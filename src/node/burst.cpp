@@ -1,6 +1,7 @@
 #include "node/burst.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace organ_collision::node {
@@ -8,9 +9,11 @@ namespace organ_collision::node {
 void Burst::noteAnswer() {
   const auto has_moved = [](const auto& frame) { return frame.second.has_moved; };
   if (std::none_of(frames_.begin(), frames_.end(), has_moved)) return;
-  for (auto& [name, frame] : frames_) {
+  for (auto i = frames_.begin(); i != frames_.end();) {
+    Frame& frame = i->second;
     frame.is_expected = frame.has_moved && frame.had_moved;
     frame.had_moved = std::exchange(frame.has_moved, false);
+    i = frame.had_moved ? std::next(i) : frames_.erase(i);
   }
 }
 

@@ -25,7 +25,7 @@ class Burst {
     bool is_expected = false;  // had, and before the one before that
   };
 
-  std::map<std::string, Frame> frames_;  // that ever moved: nothing is allocated for others
+  std::map<std::string, Frame> frames_;  // that have moved since, or before the last answer to any
 };
 
 }  // namespace organ_collision::node

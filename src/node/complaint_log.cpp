@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <string_view>
 #include <utility>
 
 #include "organ_collision/io/message_text.h"
@@ -41,15 +42,21 @@ void ComplaintLog::write(const std::vector<Complaint>& of_pairs) {
 void ComplaintLog::writeOfPairs(const std::vector<Complaint>& complaints) {
   const ros::SteadyTime now = ros::SteadyTime::now();
   std::map<std::string, ros::SteadyTime> write_at;
+  std::map<std::string, std::vector<std::string_view>> told;  // the pairs, by the reason
   for (const Complaint& complaint : complaints) {
     const std::string pair = complaint.first + " to " + complaint.second;
     const auto known = write_at_.find(pair);
-    ros::SteadyTime& due = write_at[pair] =
-        known == write_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
-    if (now < due) continue;
-    due = now + ros::WallDuration(kPeriod);
-    ROS_WARN("%s: %s", pair.c_str(), complaint.reason.c_str());
+    const auto due =
+        write_at
+            .emplace(pair,
+                     known == write_at_.end() ? now + ros::WallDuration(kPatience) : known->second)
+            .first;
+    if (now < due->second) continue;
+    due->second = now + ros::WallDuration(kPeriod);
+    told[complaint.reason].push_back(due->first);
   }
+  for (const auto& [reason, pairs] : told)
+    ROS_WARN("%s: %s", io::printable(io::joined(pairs)).c_str(), reason.c_str());
   write_at_ = std::move(write_at);  // who has nothing to complain of any more starts anew
 }
 

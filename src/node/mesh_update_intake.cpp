@@ -9,8 +9,9 @@
 namespace organ_collision::node {
 namespace {
 
-/// Taken in faster than they come: each is only added to what waits.
-constexpr unsigned kUpdatesQueue = 100;
+/// Taken in faster than they come: each is only added to what waits. But a processor may be busy
+/// for a while, and what of them is dropped, nobody may send again.
+constexpr unsigned kUpdatesQueue = 10'000;
 
 bool isLatched(const ros::MessageEvent<MeshUpdate const>& event) {
   const auto entry = event.getConnectionHeader().find("latching");

@@ -9,6 +9,7 @@
 #include "node/conversions.h"
 #include "organ_collision/core/nearest_triangles.h"
 #include "organ_collision/core/triangles_within.h"
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::node {
 namespace {
@@ -26,7 +27,7 @@ bool answer(Response& response, Body body) {
     response.success = true;
   } catch (const std::exception& error) {
     response = Response();
-    response.message = error.what();
+    response.message = io::printable(error.what());
   }
   return true;
 }

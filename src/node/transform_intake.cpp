@@ -73,9 +73,21 @@ TransformIntake::TransformIntake(tf2::BufferCore& buffer) : buffer_(buffer) {
   console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
 }
 
+/// Whether a frame is in another, or in what is.
+bool TransformIntake::isBelow(const std::string& frame, const std::string& other) const {
+  for (auto at = known_.find(frame); at != known_.end(); at = known_.find(at->second.parent))
+    if (at->second.parent == other) return true;
+  return false;
+}
+
 /// What tf has that does not go with a transform; empty: nothing known.
 std::string TransformIntake::conflictOf(const TransformStamped& transform, bool is_static) const {
+  const std::string& parent = transform.header.frame_id;
   const auto found = known_.find(transform.child_frame_id);
+  const bool is_known_below = found != known_.end() && found->second.parent == parent;
+  if (!is_known_below && isBelow(parent, transform.child_frame_id))
+    return "that would close a loop: '" + parent + "' is in '" + transform.child_frame_id +
+           "', as it was told before";
   if (found == known_.end()) return "";
   const Known& known = found->second;
   if (known.is_static != is_static)
@@ -88,8 +100,9 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
 
 void TransformIntake::note(const TransformStamped& transform, bool is_static) {
   const std::string& frame = transform.child_frame_id;
-  Known& known = known_.try_emplace(frame, Known{is_static, ros::Time()}).first->second;
+  Known& known = known_.try_emplace(frame, Known{is_static, {}, {}}).first->second;
   known.newest = std::max(known.newest, transform.header.stamp);
+  known.parent = transform.header.frame_id;
   burst_.noteMove(frame);
 }
 
@@ -106,7 +119,8 @@ std::string TransformIntake::noteTime(const ros::Time& now) {
   const ros::Time last = std::exchange(last_, now);
   if (now >= last) return "";
   buffer_.clear();  // but for static transforms
-  for (auto& [name, known] : known_) known.newest = ros::Time();
+  for (auto& [name, known] : known_)
+    if (!known.is_static) known = {false, {}, {}};
   return "time jumped back by " + std::to_string(last.toSec() - now.toSec()) +
          " s: what tf said before is forgotten";
 }

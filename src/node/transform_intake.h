@@ -20,6 +20,7 @@ namespace organ_collision::node {
 ///   shut out the true ones until their time has come;
 /// - one on /tf without a stamp: tf2 would keep the first of them for ever;
 /// - what is no transform at all;
+/// - one that would close a loop, in which tf2 finds nothing any more;
 /// - what moves a frame that was static, or the other way round: tf2 takes a frame for what it was
 ///   first, and would call it static for ever, or old;
 /// - what has a stamp that the frame had, or is older than what tf keeps: tf2 drops it.
@@ -50,15 +51,17 @@ class TransformIntake {
   /// What tf has of a frame.
   struct Known {
     bool is_static;
-    ros::Time newest;  // since time last jumped back
+    ros::Time newest;    // since time last jumped back
+    std::string parent;  // last; empty: forgotten
   };
 
+  bool isBelow(const std::string& frame, const std::string& other) const;
   std::string conflictOf(const geometry_msgs::TransformStamped& transform, bool is_static) const;
   void note(const geometry_msgs::TransformStamped& transform, bool is_static);
 
   tf2::BufferCore& buffer_;
   ros::Time last_;                      // that noteTime() was told
-  std::map<std::string, Known> known_;  // by frame
+  std::map<std::string, Known> known_;  // by frame; their parents make no loop
   Burst burst_;
 };
 

@@ -39,6 +39,8 @@ TEST_F(AssimpFormats, RefusesRotationsOfDaeThatWouldStretch) {
     EXPECT_THAT(of_dae(bad), AllOf(HasSubstr("the axis of a rotation, "), HasSubstr(", not 1")));
   EXPECT_THAT(of_dae("0 0 2 90"),
               HasSubstr("line 1: the axis of a rotation, 0 0 2, is of length 2"));
+  EXPECT_THAT(of_dae("0 0 1 90</rotate><rotate>0 0 2 90"),
+              HasSubstr("the axis of a rotation, 0 0 2"));
 }
 
 TEST_F(AssimpFormats, RefusesNegativeNumbersOfDaeThatCountSomething) {
@@ -81,6 +83,19 @@ TEST_F(AssimpFormats, RefusesACountOfDaeForWhichTrianglesWouldBeLost) {
                 HasSubstr(std::string("line 1: '") + count + "' is no count of triangles"));
   EXPECT_THAT(with_count("0"),
               HasSubstr("line 1: the count of triangles is 0, but there are some"));
+  EXPECT_THAT(refusal("m.dae", replaced(good, R"(<triangles count="2")", "<triangles")),
+              HasSubstr("line 1: the count of triangles is missing, but there are some"));
+  for (const std::string name : {"polylist", "polygons", "tristrips"}) {
+    const std::string none = "<" + name + " count=\"0\"><p>0 1 2</p></" + name + ">";
+    EXPECT_THAT(refusal("m.dae", replaced(good, "<triangles", none + "<triangles")),
+                HasSubstr("the count of " + name + " is 0, but there are some"));
+  }
+}
+
+TEST_F(AssimpFormats, RefusesFansOfDaeWhichAssimpFillsOtherwise) {
+  const std::string fan = R"(<trifans count="1"><p>0 1 2 3</p></trifans>)";
+  EXPECT_THAT(refusal("m.dae", replaced(plainDae(kTwoTriangles), "<triangles", fan + "<triangles")),
+              HasSubstr("line 1: trifans are not read: save the mesh as triangles"));
 }
 
 TEST_F(AssimpFormats, TellsHowMuchMemoryThereIsForWhatAsksForMore) {
@@ -212,6 +227,10 @@ TEST_F(AssimpFormats, RefusesGltfThatAsksForExtensions) {
                                R"("scene": 0, "extensionsRequired": ["KHR_mesh_quantization"],)")),
               EndsWith("m.gltf': it asks for extensions of glTF, of which none is known here: "
                        "'KHR_mesh_quantization'"));
+  EXPECT_THAT(refusal("m.gltf", replaced(good, R"("scene": 0,)",
+                                         R"("scene": 0, "extensionsRequired":
+                                            ["KHR_materials_unlit", "KHR_mesh_quantization"],)")),
+              EndsWith("'KHR_mesh_quantization'"));
   for (const char* const harmless : {"[]", R"(["KHR_materials_unlit", "KHR_texture_transform"])"})
     EXPECT_EQ(refusal("m.gltf", replaced(good, R"("scene": 0,)",
                                          std::string(R"("scene": 0, "extensionsRequired": )") +

@@ -61,7 +61,7 @@ TEST_F(Stl, TellsHowLongABinaryFileThatBeginsAsAsciiDoesShouldBe) {
   std::string bytes = binaryStl(kTwoTriangles).replace(0, 80, "solid" + std::string(75, ' '));
   EXPECT_EQ(load("m.stl", bytes).triangleCount(), 2U);
   bytes.pop_back();
-  EXPECT_THAT(refusal("m.stl", bytes), HasSubstr("it has 183 bytes, but 184 are wanted"));
+  EXPECT_THAT(refusal("m.stl", bytes), HasSubstr("it has 183 bytes, but 184 are wanted for 2"));
 }
 
 TEST_F(Stl, ReadsBinaryStlThatBeginsAsAsciiDoes) {

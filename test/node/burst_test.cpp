@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "allocated_memory.h"
+
 namespace organ_collision::node {
 namespace {
 
@@ -63,6 +67,15 @@ TEST_F(BurstTest, IsNotTakenForWholeWhereTheLastOnesWereTornApart) {
   burst_.noteAnswer();
   EXPECT_FALSE(isCompleteWith("left"));
   EXPECT_FALSE(isCompleteWith("right"));
+}
+
+TEST_F(BurstTest, ForgetsWhatMovesNoMore) {
+  const std::size_t before = test::allocatedMemory();
+  for (int i = 0; i < 10'000; ++i) {
+    burst_.noteMove("object_" + std::to_string(i));
+    burst_.noteAnswer();
+  }
+  EXPECT_LT(test::allocatedMemory(), before + 10'000);
 }
 
 }  // namespace

@@ -399,5 +399,43 @@ TEST_F(ContactCycleTest, WithoutAWayToTheScenesFrameThereIsNoPose) {
   EXPECT_NE(cycle.complaints(ros::Time(100.0))[0].reason.find("nowhere"), std::string::npos);
 }
 
+TEST_F(ContactCycleTest, NamesTheOrgansFrameWhereThatIsTheOneToldNoMore) {
+  organs_[0] = std::make_unique<Organ>("liver", "bowel", test::cube());
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  place("world", "bowel", {10, 0, 0}, ros::Time(100.0));
+  for (const double now : {100.0, 105.0})
+    place("world", "left_tip", {10.5, 0.5, 3.0}, ros::Time(now));
+  cycle.lookUpTips();
+  EXPECT_EQ(cycle.complaints(ros::Time(105.0))[0].reason,
+            "the last pose is 5.000000 s old: of a later time tf has not told where 'bowel' is");
+}
+
+TEST_F(ContactCycleTest, ComplainsOfTheOrganThatThePairHas) {
+  organs_.push_back(std::make_unique<Organ>("stomach", "stomach", test::cube()));
+  scene_.pairs = {{0, 1}};
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  cycle.lookUpTips();
+  EXPECT_EQ(cycle.complaints(ros::Time(1.0))[0].second, "stomach");
+}
+
+TEST_F(ContactCycleTest, HasTheStampOfATipWhoseClockIsALittleAhead) {
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_EQ(contacts(ros::Time(99.95)).header.stamp, ros::Time(100.0));
+}
+
+TEST_F(ContactCycleTest, HasNewsWhenTheScenesFrameIsThereAndWhereverThatIsLate) {
+  scene_.frame = "camera";
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  place("liver", "left_tip", {0.5, 0.5, 3.0}, ros::Time(100.0));
+  EXPECT_TRUE(cycle.lookUpTips());
+  EXPECT_FALSE(cycle.lookUpTips());
+  place("world", "camera", {0, 0, 5}, ros::Time(100.0));
+  EXPECT_TRUE(cycle.lookUpTips()) << "both are known now";
+  EXPECT_FALSE(cycle.lookUpTips());
+  place("liver", "left_tip", {0.5, 0.5, 2.0}, ros::Time(100.1));
+  EXPECT_TRUE(cycle.lookUpTips()) << "though tf does not know the camera of then";
+  EXPECT_EQ(cycle.contacts(ros::Time(100.1), {}).contacts[0].nearest.distance, 1.0);
+}
+
 }  // namespace
 }  // namespace organ_collision::node

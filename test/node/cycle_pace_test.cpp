@@ -208,5 +208,16 @@ TEST(CyclePace, IsPromptWhereAnswersAreShortAndTheRateAllowsOne) {
   EXPECT_TRUE(pace.isPrompt(after(4.02)));
 }
 
+TEST(CyclePace, IsNotCrowdedByMessagesWithoutNews) {
+  CyclePace pace(1000.0, kStart);
+  for (int i = 0; i < 4000; ++i) {
+    const ros::SteadyTime now = after(0.00025 * i);
+    pace.noteMessage(now);
+    ASSERT_FALSE(pace.isGathering()) << i;
+    ASSERT_TRUE(pace.isPrompt(now)) << i;
+    pace.noteAnswer(now, now);  // a look without a cycle
+  }
+}
+
 }  // namespace
 }  // namespace organ_collision::node

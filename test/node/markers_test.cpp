@@ -249,5 +249,29 @@ TEST(OrganMarkers, HaveEveryEdgeOfAClosedMeshOnce) {
   EXPECT_EQ(edgesOf(split(test::cube())).lines, 18U);
 }
 
+TEST_F(MarkersTest, AlarmOfWhatTouchesAndOfWhatIsStale) {
+  const auto calm = markers("distance").front().color;
+  contacts_.contacts[0].colliding = true;
+  contacts_.contacts[1].status = Contact::STALE;
+  for (const Marker& text : markers("distance")) EXPECT_NE(text.color, calm) << text.text;
+}
+
+TEST_F(MarkersTest, NameTheOrganOnlyWhereThereAreSeveral) {
+  organs_.pop_back();
+  contacts_.contacts.pop_back();
+  EXPECT_EQ(markers("distance").front().text, "left 12.5 mm");
+}
+
+TEST(ProximityMarkers, AlarmOfWhatTouchesAndOfWhatIsStale) {
+  ProximityArray proximities;
+  proximities.proximities.resize(3);
+  proximities.proximities[1].colliding = true;
+  proximities.proximities[2].status = Contact::STALE;
+  const auto markers = proximityMarkers(proximities).markers;
+  ASSERT_THAT(markers, SizeIs(6));
+  EXPECT_NE(markers[3].color, markers[1].color);
+  EXPECT_NE(markers[5].color, markers[1].color);
+}
+
 }  // namespace
 }  // namespace organ_collision::node

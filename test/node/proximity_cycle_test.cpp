@@ -216,5 +216,15 @@ TEST_F(ProximityOfBlobs, CountsForTheWearOfBothOrgans) {
   }
 }
 
+TEST_F(ProximityCycleTest, ComparesTheBoxesWhereTheInstrumentsAre) {
+  scene_.max_distance = 1.0;
+  instruments_[0].shapes = {core::Sphere{{5, 0, 0}, 0.25}};
+  place("world", "left_tip", {-5, 0, 0}, ros::Time(100.0));
+  place("world", "right_tip", {0, 0, 1}, ros::Time(100.0));
+  const Proximity near = proximities(ros::Time(100.0)).proximities[0];
+  EXPECT_EQ(near.status, Contact::OK);
+  EXPECT_EQ(near.distance, 0.25);
+}
+
 }  // namespace
 }  // namespace organ_collision::node

@@ -105,6 +105,7 @@ TEST_F(TransformIntakeTest, WhatTfWouldDropIsRefusedByName) {
   EXPECT_THAT(hear("/tip", 2.0, ros::Time(100.0), ros::Time(100.1)), HasSubstr("already"));
   EXPECT_THAT(hear("tip", 2.0, ros::Time(89.9), ros::Time(100.1)), HasSubstr("older than what tf"));
   EXPECT_EQ(hear("tip", 2.0, ros::Time(99.0), ros::Time(100.1)), "");  // late, but of use
+  EXPECT_THAT(hear("tip", 2.0, ros::Time(89.9), ros::Time(100.1)), HasSubstr("older than what tf"));
   EXPECT_THAT(hear("tip", 3.0, ros::Time(99.0), ros::Time(100.1)), HasSubstr("already"));
   EXPECT_EQ(latest("tip"), 1.0);
   EXPECT_EQ(hear("tip", 3.0, ros::Time(100.1), ros::Time(100.1)), "");
@@ -171,11 +172,17 @@ TEST_F(TransformIntakeTest, WhatIsNoTransformIsRefusedByName) {
       refusal([](Transform& t) { t.transform.rotation.w = 0.0; }),
       "refused where '/arm' says that 'tip' is in 'liver': its rotation (0, 0, 0, 0) is not of "
       "length 1");
+  for (const double w : {0.994, 1.006})
+    EXPECT_THAT(refusal([w](Transform& t) { t.transform.rotation.w = w; }),
+                HasSubstr("is not of length 1"));
   EXPECT_THAT(refusal([](Transform& t) { t.transform.rotation.x = 2.0; }),
               HasSubstr("(2, 0, 0, 1)"));
   EXPECT_THAT(refusal([](Transform& t) { t.transform.translation.y = std::nan(""); }),
               HasSubstr("not finite"));
+  EXPECT_THAT(refusal([](Transform& t) { t.transform.translation.z = std::nan(""); }),
+              HasSubstr("not finite"));
   EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "liver"; }), HasSubstr("itself"));
+  EXPECT_THAT(refusal([](Transform& t) { t.header.frame_id = "/tip"; }), HasSubstr("itself"));
   EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "/liver"; }), HasSubstr("itself"));
   EXPECT_THAT(refusal([](Transform& t) { t.header.frame_id = ""; }), HasSubstr("no name"));
   EXPECT_THAT(refusal([](Transform& t) { t.child_frame_id = "/"; }), HasSubstr("no name"));
@@ -243,9 +250,36 @@ TEST_F(TransformIntakeTest, AFrameThatNobodyToldOfIsNamed) {
 TEST_F(TransformIntakeTest, ALoopIsToldInOneLine) {
   hear("fixed", 1.0, ros::Time(0), ros::Time(100.0), true);
   hear("tip", 1.0, ros::Time(100.0), ros::Time(100.0), false, "arm");
-  hear("arm", 1.0, ros::Time(100.0), ros::Time(100.0), false, "tip");
+  geometry_msgs::TransformStamped back;  // not by the intake
+  back.header.frame_id = "tip";
+  back.header.stamp = ros::Time(100.0);
+  back.child_frame_id = "arm";
+  back.transform.rotation.w = 1.0;
+  buffer_.setTransform(back, "test");
   const std::string reason = lookUpFrame(buffer_, "fixed", "tip").reason;
   EXPECT_THAT(reason, AllOf(HasSubstr("loop"), Not(HasSubstr("\n"))));
+}
+
+TEST_F(TransformIntakeTest, WhatWouldCloseALoopIsRefusedByName) {
+  hear("arm", 1.0, ros::Time(100.0), ros::Time(100.0), false, "base");
+  hear("tip", 2.0, ros::Time(100.0), ros::Time(100.0), false, "arm");
+  for (const char* const parent : {"arm", "tip"}) {
+    EXPECT_EQ(hear("base", 3.0, ros::Time(100.1), ros::Time(100.1), false, parent),
+              "refused where 'test' says that 'base' is in '" + std::string(parent) +
+                  "': that would close a loop: '" + parent +
+                  "' is in 'base', as it was told before");
+  }
+  EXPECT_EQ(hear("base", 1.0, ros::Time(100.1), ros::Time(100.1)), "");
+  EXPECT_EQ(hear("arm", 1.0, ros::Time(100.1), ros::Time(100.1), false, "base"), "");
+  EXPECT_EQ(hear("tip", 2.0, ros::Time(100.1), ros::Time(100.1), false, "arm"), "");
+  EXPECT_EQ(latest("tip"), 4.0);
+  hear("fixed", 1.0, ros::Time(0), ros::Time(100.1), true, "tip");
+  // Once it is in another, or forgotten, its former parent may be in it.
+  EXPECT_EQ(hear("arm", 1.0, ros::Time(100.2), ros::Time(100.2), false, "liver"), "");
+  EXPECT_EQ(hear("base", 3.0, ros::Time(100.2), ros::Time(100.2), false, "tip"), "");
+  EXPECT_THAT(hear("liver", 1.0, ros::Time(5.0), ros::Time(5.0), false, "fixed"),
+              HasSubstr("jumped back"));
+  EXPECT_THAT(hear("tip", 1.0, ros::Time(5.0), ros::Time(5.0), false, "fixed"), HasSubstr("loop"));
 }
 
 TEST_F(TransformIntakeTest, AStaticTransformMayHaveBeenSentAtAnyTime) {
