@@ -135,6 +135,12 @@ std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Po
     }
     if (is_outermost || !polytope.add(corner)) polytope.passByNearest();
   }
+  // Of a plane without the point that is nearest: on to it.
+  for (int i = 0; i < kSteps && !polytope.holdsOrigin(); ++i) {
+    const HullDistance nearest = polytope.nearestPoints();
+    const Vector3d back = nearest.on_second - nearest.on_first;
+    if (!polytope.add(farthestCorner(back, first, second))) break;
+  }
   HullDistance found = polytope.nearestPoints();
   const Vector3d apart = found.on_second - found.on_first;
   const Vector3d way = polytope.holdsOrigin() ? -apart : apart;
@@ -150,6 +156,18 @@ std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Po
 Points moved(Points points, const Vector3d& shift) {
   for (Vector3d& point : points) point += shift;
   return points;
+}
+
+/// How much farther or less far apart than `distance` the points are.
+double misfit(const HullDistance& found, double distance) {
+  return std::abs((found.on_second - found.on_first).norm() - std::abs(distance));
+}
+
+/// The other's points where they fit the gap better.
+void takeNearer(HullDistance& best, const HullDistance& other) {
+  if (!(misfit(other, best.gap) < misfit(best, best.gap))) return;
+  best.on_first = other.on_first;
+  best.on_second = other.on_second;
 }
 
 /// Uphill from a normal to one along which the gap is largest, or the depth least, of all nearby:
@@ -169,8 +187,12 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
     if (!apart) break;
     const double gap = gapAlong(apart->normal, first, second);
     const double gained = gap - best.gap;
-    if (gained < -kLoss) break;
-    best = {gap, gap, apart->normal, apart->on_first, apart->on_second - shift};
+    const HullDistance there = {gap, gap, apart->normal, apart->on_first, apart->on_second - shift};
+    if (gained < -kLoss) {
+      takeNearer(best, there);
+      break;
+    }
+    best = there;
     if (gained <= kRounding) break;
   }
   return best;
@@ -178,11 +200,6 @@ HullDistance uphill(const Points& first, const Points& second, const Vector3d& n
 
 const HullDistance& higher(const HullDistance& one, const HullDistance& other) {
   return one.gap > other.gap ? one : other;
-}
-
-/// How much farther or less far apart than `distance` the points are.
-double misfit(const HullDistance& found, double distance) {
-  return std::abs((found.on_second - found.on_first).norm() - std::abs(distance));
 }
 
 /// Of the plane that they are about in.

@@ -22,10 +22,11 @@ struct HullDistance {
 /// a billionth of their size; the other one ends too early in one of ten pairs. Where the gap along
 /// the normal does not prove what was found, as of flat hulls in one plane, both are pushed apart
 /// along normals, asked there, and so on uphill. REQUIRES: neither is empty; all coordinates are of
-/// about the size 1 (FCL's tolerances are absolute). Cost: grows with the points; microseconds for
-/// dozens. Source: E. Gilbert, D. Johnson and S. Keerthi, "A fast procedure for computing the
-/// distance between complex objects in three-dimensional space" (1988); G. van den Bergen,
-/// "Proximity queries and penetration depth computation on 3D game objects" (2001).
+/// about the size 1 (FCL's tolerances are absolute). Cost: grows with the points; mostly tens of
+/// microseconds for dozens, some times that for thin ones. Source: E. Gilbert, D. Johnson and S.
+/// Keerthi, "A fast procedure for computing the distance between complex objects in
+/// three-dimensional space" (1988); G. van den Bergen, "Proximity queries and penetration depth
+/// computation on 3D game objects" (2001).
 HullDistance hullDistance(const core::Points& first, const core::Points& second);
 
 /// The point that is farthest along `direction`.

@@ -12,7 +12,8 @@ namespace organ_collision::convex {
 /// prove lower_bound, which is mostly within 1e-8 of their size of upper_bound, the distance. Where
 /// it is not, the points may be as far apart as lower_bound tells, not as the distance.
 /// Throws as requireUsable() of both does.
-/// Cost: grows with the meshes' vertices, microseconds for dozens, milliseconds for thousands.
+/// Cost: grows with the meshes' vertices, mostly tens of microseconds for dozens, milliseconds for
+/// thousands; some times that where they are thin.
 core::Proximity hullProximity(const core::Shape& first, const core::Shape& second);
 
 /// Of two instruments: the nearest of their pieces. Pieces of which one is a convex mesh and the

@@ -150,5 +150,47 @@ TEST(HardHulls, IsProvenWhereGjkAndEpaEndTooEarly) {
   }
 }
 
+/// GJK ends at three of the five corners of that face, 32 times.
+TEST(HardHulls, OfAFaceWithManyCornersTellsThePointAboveNone) {
+  const RigidMesh hull =
+      hullOf({{-1, 1, 0}, {-1, 0, 0}, {1, 1, 0}, {1, 0, -1}, {0, -1, 0}, {1, -1, -1}, {1, 0, 0}});
+  const Sphere ball{{-0.44711273183090672, -0.43220935083161843, 0.12500000071238737}, 0.125};
+  for (const Proximity& found : {hullProximity(hull, ball), hullProximity(ball, hull)}) {
+    EXPECT_NEAR(found.distance, 7.1238737e-10, 1e-15);
+    EXPECT_NEAR((found.point_on_second - found.point_on_first).norm(), found.distance, kTight);
+  }
+}
+
+/// As thin as rounding, or flat, or on a line, the one of any smaller size, near the other or
+/// touching it.
+TEST(HardHulls, OfThinAndSmallHullsTellsOneDistanceAndItsPoints) {
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> any(-0.5, 0.5), exponent(-10.0, 0.0);
+  const auto thin = [&](double size) {
+    const double height = std::array<double, 4>{0.0, 1e-13, 1e-9, 1.0}[generator() % 4];
+    const double width = generator() % 3 == 0 ? height : 1.0;
+    Points points(3 + generator() % 6);
+    for (Vector3d& point : points) {
+      for (const int axis : {0, 1, 2}) point[axis] = size * any(generator);
+      point = point.cwiseProduct(Vector3d(1.0, width, height));
+    }
+    return points;
+  };
+  for (std::size_t i = 0; i < queryCount(4000); ++i) {
+    const Points first = thin(1.0);
+    Points second = thin(std::pow(10.0, exponent(generator)));
+    const Vector3d aside = 0.2 * Vector3d(any(generator), any(generator), 0.0);
+    const Vector3d touching = first.front() - second.front();
+    for (Vector3d& point : second) point += i % 2 == 0 ? aside : touching;
+    for (const Proximity& found : {hullProximity(hullOf(first), hullOf(second)),
+                                   hullProximity(hullOf(second), hullOf(first))}) {
+      ASSERT_NEAR(found.lower_bound, found.upper_bound, kGjk) << i;
+      ASSERT_NEAR((found.point_on_second - found.point_on_first).norm(), std::abs(found.distance),
+                  kGjk)
+          << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace organ_collision::convex
