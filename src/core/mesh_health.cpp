@@ -104,7 +104,7 @@ std::vector<std::string> warnings(const MeshHealth& health) {
   if (health.inverted) add("the triangles' normals point inwards: the mesh is read inside out");
   if (health.degenerate_triangles > 0) add(health.degenerate_triangles, " triangles have no area");
   if (health.duplicate_triangles > 0)
-    add(health.duplicate_triangles, " triangles are there more than once");
+    add(health.duplicate_triangles, " triangles have the same corners as an earlier one");
   return sentences;
 }
 

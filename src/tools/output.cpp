@@ -50,11 +50,11 @@ void requireWritableFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder)) {
-    throw std::runtime_error(folder.string() + ": cannot make this folder" +
+    throw std::runtime_error("'" + folder.string() + "': cannot make this folder" +
                              (error ? " (" + error.message() + ")" : ""));
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw std::runtime_error(folder.string() + ": cannot write into this folder");
+    throw std::runtime_error("'" + folder.string() + "': cannot write into this folder");
   }
 }
 

@@ -291,14 +291,14 @@ std::string table(const BandTrade& band) {
 }
 
 std::string recommendation(const Trade& trade) {
-  const std::size_t near_count = std::min(kNearBands, trade.bands.size());
-  const std::vector<BandTrade> near(trade.bands.begin(),
-                                    trade.bands.begin() + static_cast<std::ptrdiff_t>(near_count));
+  BandList near;
+  for (std::size_t i = 0; i < std::min(kNearBands, trade.bands.size()); ++i)
+    if (trade.bands[i].tipCount() > 0) near.push_back(&trade.bands[i]);
   std::string lines =
       "Recommended: the fastest setting for which 99.9 % of the errors stay below (proven, or "
       "with\n"
       "95 % confidence in every band), and its time.\n";
-  lines += recommendationFor("Within 5 mm of the surface", withTips(near));
+  lines += recommendationFor("Within 5 mm of the surface", near);
   lines += recommendationFor("Anywhere", withTips(trade.bands));
   if (!trade.path) return lines;
   return lines + recommendationFor(trade.path->name + ", by the largest error seen", {&*trade.path},

@@ -366,5 +366,26 @@ TEST(CollisionMesh, MayBeSmallerThanNumbersCanScaleUp) {
   }
 }
 
+/// So far from the many that they are a node high up in the tree.
+TEST(CollisionMesh, HoldsAFewTrianglesFarFromManyToo) {
+  TriangleMesh few = test::placed(test::subdivided(test::cube()), 0.1, {5, 5, 5});
+  std::vector<Corners> triangles = few.triangles();
+  triangles.push_back(test::corners(0, 0, 1));
+  few = {few.positions(), triangles};
+  CollisionMesh organ(test::joined(test::blob(5), few));
+  std::mt19937 generator(12);
+  for (const bool is_refitted : {false, true}) {
+    Points positions = organ.mesh().positions();
+    for (Eigen::Vector3d& position : positions) position *= 1.25;
+    if (is_refitted) organ.refit(positions);
+    EXPECT_EQ(organ.health().degenerate_triangles, 1U);
+    for (int i = 0; i < 30; ++i) {
+      const Eigen::Vector3d tip = organ.health().box.high + test::randomPoint(generator, 0.2);
+      const double distance = nearestTriangle(organ, tip, {}, Sign::kNone).distance;
+      EXPECT_EQ(distance, std::sqrt(test::squaredDistanceByBruteForce(organ.mesh(), tip)));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace organ_collision::core

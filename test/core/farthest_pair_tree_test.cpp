@@ -14,6 +14,8 @@
 namespace organ_collision::core {
 namespace {
 
+using test::corners;
+
 using Set = FarthestPairTree::Set;
 
 /// Calls `visit` for every set that is split.
@@ -158,6 +160,44 @@ TEST(FarthestPairTree, OfOneTriangleIsALeaf) {
   const FarthestPairTree tree(mesh);
   EXPECT_TRUE(tree.root().isLeaf());
   EXPECT_EQ(tree.depth(), 0U);
+}
+
+TEST(FarthestPairTree, OrdersTurnedDuplicatesWhateverTheirNumbers) {
+  const auto first = [](const Corners& one, const Corners& other) {
+    const TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {one, other});
+    return mesh.corners(FarthestPairTree(mesh).triangle(0));
+  };
+  EXPECT_EQ(first(corners(0, 1, 2), corners(0, 2, 1)), first(corners(0, 2, 1), corners(0, 1, 2)));
+}
+
+TEST(FarthestPairTree, HasAPoleOfEachHalfOfCoincidentTriangles) {
+  const FarthestPairTree tree(TriangleMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                                           std::vector<Corners>(100, test::corners(0, 1, 2))));
+  forEachSplit(tree, [&](const Set& set) {
+    const auto [first, second] = tree.poles(set);
+    EXPECT_LT(first, tree.children(set)[0].end);
+    EXPECT_GE(second, tree.children(set)[1].begin);
+  });
+}
+
+/// Four triangles with one centroid.
+TEST(FarthestPairTree, OrdersCoincidentTrianglesWhicheverCornerComesFirst) {
+  const Points points = {{3, 0, 0}, {0, 3, 0}, {-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, {-6, -6, 0}};
+  const auto ordered = [&](const std::vector<Corners>& triangles) {
+    const TriangleMesh mesh(points, triangles);
+    const FarthestPairTree tree(mesh);
+    std::vector<Corners> leaves;
+    for (FarthestPairTree::Leaf leaf = 0; leaf < triangles.size(); ++leaf) {
+      Corners corners = mesh.corners(tree.triangle(leaf));
+      std::sort(corners.begin(), corners.end());
+      leaves.push_back(corners);
+    }
+    return leaves;
+  };
+  EXPECT_EQ(ordered({test::corners(0, 1, 2), test::corners(3, 4, 5)}),
+            ordered({test::corners(2, 0, 1), test::corners(3, 4, 5)}));
+  EXPECT_EQ(ordered({test::corners(0, 1, 2), test::corners(3, 4, 5)}),
+            ordered({test::corners(0, 1, 2), test::corners(5, 3, 4)}));
 }
 
 }  // namespace

@@ -80,5 +80,23 @@ TEST(MeshTopology, HangsTogetherWhereNoCornerOfATriangleIsAFan) {
   EXPECT_TRUE(MeshTopology(tetrahedronOfFans()).isOnePiece());
 }
 
+/// Large enough for several tasks, of which one finds the fault.
+TEST(MeshTopology, FindsTheOneFaultOfALargeSurface) {
+  const TriangleMesh sound = test::blob(6);
+  std::mt19937 generator(9);
+  for (int i = 0; i < 30; ++i) {
+    const std::size_t one = generator() % sound.triangleCount();
+    std::vector<Corners> open = sound.triangles();
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(one));
+    EXPECT_FALSE(MeshTopology({sound.positions(), open}).closed());
+    std::vector<Corners> turned = sound.triangles();
+    std::swap(turned[one][0], turned[one][1]);
+    EXPECT_FALSE(MeshTopology({sound.positions(), turned}).consistentlyWound());
+    std::vector<Corners> twice = sound.triangles();
+    twice.push_back(twice[one]);
+    EXPECT_EQ(MeshTopology({sound.positions(), twice}).duplicateTriangles(), 1U);
+  }
+}
+
 }  // namespace
 }  // namespace organ_collision::core

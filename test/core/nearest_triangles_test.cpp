@@ -46,5 +46,9 @@ TEST(NearestTriangles, NamesThePointThatIsNotUsable) {
       ThrowsMessage<std::invalid_argument>(HasSubstr("point 1")));
 }
 
+TEST(NearestTriangles, RefusesAnAccuracyThatIsNotUsableOfNoPointsToo) {
+  EXPECT_THROW(nearestTriangles(CollisionMesh(test::cube()), {}, {-1.0}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace organ_collision::core

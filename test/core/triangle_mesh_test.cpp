@@ -66,5 +66,36 @@ TEST(TriangleMesh, CentroidHasTheSameBitsForEveryOrderOfTheCorners) {
   }
 }
 
+/// Enough for several tasks.
+TEST(TriangleMesh, RefusesOneOfManyPositionsAndKnowsTheirBox) {
+  const TriangleMesh large = test::blob(6);
+  for (const std::size_t vertex :
+       {std::size_t{0}, std::size_t{9000}, large.positions().size() - 1}) {
+    Points points = large.positions();
+    points[vertex].x() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(TriangleMesh(points, large.triangles()), std::invalid_argument);
+    for (const double x : {-3.0, 3.0}) {
+      points[vertex].x() = x;
+      const Box box = TriangleMesh(large).setPositions(points);
+      EXPECT_TRUE(box.contains(points[vertex])) << vertex;
+    }
+  }
+}
+
+TEST(TriangleMesh, NamesTheVertexThatCannotBeMoved) {
+  const TriangleMesh mesh(kThreePoints, {corners(0, 1, 2)});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(
+      [&] {
+        mesh.requireFitting({VertexId{2}}, {{0, nan, 0}});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("vertex 2 is")));
+  EXPECT_THAT(
+      [&] {
+        mesh.requireFitting({VertexId{9}}, {{0, 0, 0}});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("no vertex 9: the mesh has 3")));
+}
+
 }  // namespace
 }  // namespace organ_collision::core

@@ -104,6 +104,53 @@ TEST(WideTree, HoldsEveryLeafInOneLaneOfOnePacket) {
   }
 }
 
+/// In clusters, so that sets of a few triangles are nodes, between packets of one.
+TriangleMesh clusters(std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  Points centres;
+  for (std::size_t count = 12 + generator() % 12; count > 0; --count) {
+    centres.push_back(test::randomPoint(generator, 1.0));
+    if (generator() % 2 == 0) continue;
+    const Eigen::Vector3d beside = centres.back() + test::randomPoint(generator, 0.4);
+    centres.push_back(beside);
+  }
+  Points points;
+  std::vector<Corners> triangles;
+  const std::size_t count = centres.size() + generator() % 60;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t centre = i < centres.size() ? i : generator() % centres.size();
+    const Eigen::Vector3d a = centres[centre] + test::randomPoint(generator, 1e-3);
+    points.insert(points.end(),
+                  {a, a + Eigen::Vector3d(1e-4, 0, 0), a + Eigen::Vector3d(0, 1e-4, 0)});
+    triangles.push_back(test::corners(3 * i, 3 * i + 1, 3 * i + 2));
+  }
+  return {points, triangles};
+}
+
+TEST(WideTree, HoldsEveryLeafOnceWhereSetsOfAFewAreNodes) {
+  for (std::uint32_t seed = 0; seed < 2000; ++seed) {
+    const CollisionMesh organ(clusters(seed));
+    std::vector<int> times(organ.mesh().triangleCount(), 0);
+    for (const TrianglePacket& packet : organ.wideTree().packets())
+      for (std::uint32_t lane = 0; lane < packet.lane_count; ++lane)
+        ++times.at(packet.first_leaf + lane);
+    ASSERT_EQ(times, std::vector<int>(times.size(), 1)) << seed;
+  }
+}
+
+TEST(WideTree, NeighbouringPacketsOfANodeShareOneIfThereIsRoom) {
+  for (const CollisionMesh& organ : organs()) {
+    const auto& packets = organ.wideTree().packets();
+    for (std::size_t i = 1; i < packets.size(); ++i) {
+      const TrianglePacket& one = packets[i - 1];
+      const TrianglePacket& next = packets[i];
+      if (one.parent == next.parent && one.first_leaf + one.lane_count == next.first_leaf) {
+        EXPECT_GT(one.lane_count + next.lane_count, kLaneCount);
+      }
+    }
+  }
+}
+
 TEST(WideTree, StoresLevelAfterLevelAndKnowsItsDepth) {
   for (const CollisionMesh& organ : organs()) {
     const WideTree& tree = organ.wideTree();

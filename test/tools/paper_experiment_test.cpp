@@ -1,5 +1,6 @@
 #include "tools/paper_experiment.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -21,6 +22,7 @@ namespace {
 using core::Corners;
 using core::Triangle;
 using core::VertexId;
+using testing::HasSubstr;
 
 constexpr double kTolerance = 1e-15;     // [m] a few roundings of two decimetres
 constexpr double kMeanTolerance = 1e-9;  // [cells] sums of some hundred errors, in another order
@@ -244,6 +246,33 @@ TEST(ReproducePaper, HelpsWithoutMeasuring) {
   const Command run({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_NE(run.out.str().find("--steps"), std::string::npos);
+}
+
+/// Every number another.
+PaperRow rowOfManyNumbers() {
+  return {{5, 4, 67}, 40, 30, 69, 8, 100, 50, 0.125, 0.25, 0.5, 7.5, 6.5, 3.5, 1e-6, 2e-6};
+}
+
+TEST(PaperReport, HasEachNumberInItsColumn) {
+  EXPECT_THAT(
+      paperCsv({rowOfManyNumbers()}),
+      HasSubstr(
+          "\n5,4,40,30,67,69,8,1,2,100,50,50,40.383153,59.616847,0.125,0.25,0.5,7.5,6.5,3.5\n"));
+  PaperRow other{};
+  other.triangles = 9;
+  other.steps = 100;
+  EXPECT_THAT(paperTable({other, rowOfManyNumbers()}),
+              HasSubstr("25.0 % of 200 queries; its worst answer was 0.50 cells too far.\nOn 40 "
+                        "triangles it takes 1.00 us, the exact search 2.00 us."));
+}
+
+TEST(PaperReport, DrawsWorkAndHowOftenTheAnswerIsRight) {
+  const std::vector<Plot> plots = paperFigure({rowOfManyNumbers()}).plots;
+  EXPECT_EQ(plots.at(1).series.at(0).points.at(0).y, 8.5);   // and the triangle
+  EXPECT_EQ(plots.at(1).series.at(1).points.at(0).y, 10.0);  // boxes and triangles
+  EXPECT_EQ(plots.at(2).series.at(0).points.at(0).y, 50.0);
+  EXPECT_LT(plots.at(2).series.at(1).points.at(0).y, 50.0);
+  EXPECT_GT(plots.at(2).series.at(2).points.at(0).y, 50.0);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ using testing::Not;
 constexpr std::size_t kGreedy = 0;
 constexpr std::size_t kLeaves16 = 4;
 constexpr std::size_t kLeaves64 = 5;
+constexpr std::size_t kOnePercent = 6;
 constexpr std::size_t kTenthOfMillimetre = 11;
 constexpr std::size_t kExact = 13;
 
@@ -172,6 +173,83 @@ TEST(Figure, HasAPlotForEachBandWithTips) {
   Trade trade = tradeOf({bandOf("0-1 mm"), emptyBand("inside")});
   trade.path = bandOf("path");
   EXPECT_EQ(figure(trade).plots.size(), 2U);
+}
+
+/// Every number another.
+BandTrade bandOfManyNumbers() {
+  BandTrade band = bandOf("0-1 mm");
+  band.samples[0].violations = 2;
+  band.summaries[0] = {1e-6,
+                       2e-6,
+                       3,
+                       4,
+                       0.5,
+                       6e-3,
+                       7e-3,
+                       8e-3,
+                       9e-3,
+                       10e-3,
+                       11e-3,
+                       12e-3,
+                       Confidence{{0.25, 0.75}, {13e-3, 14e-3}, {15e-3, 16e-3}, 17e-3}};
+  return band;
+}
+
+TEST(Table, HasEachNumberUnderItsHeading) {
+  const std::string lines = table(bandOfManyNumbers());
+  EXPECT_THAT(lines, HasSubstr("setting   median    p99 bounds  tris  found  95 % conf.    mean    "
+                               "p50    p99  p99.9    max    mean    p99\n"
+                               "greedy      1.00   2.00    3.0   4.0  50.00   25.0-75.0  6.0000 "
+                               "7.0000 8.0000 9.0000  10.00   11.00  12.00\n"));
+}
+
+TEST(Table, ShowsTheLeastErrorThatItsDigitsTell) {
+  BandTrade band = bandOf("0-1 mm");
+  band.summaries[0].error_max = 1e-7;
+  EXPECT_THAT(table(band), HasSubstr(" 0.0001 "));
+}
+
+TEST(Csv, HasEachNumberInItsColumn) {
+  Trade trade = tradeOf({bandOfManyNumbers()});
+  trade.costs = {0.018, 0.019, 0.020, 21};
+  EXPECT_THAT(
+      csv(trade),
+      HasSubstr("\n0-1 mm,greedy,0,0,1,1,1,2,3,4,0.5,0.25,0.75,6,13,14,7,8,15,16,9,17,10,11,"
+                "12,2,1000,7,18,19,20,21\n"));
+}
+
+TEST(Report, TellsTheCosts) {
+  Trade trade = tradeOf({bandOf("0-1 mm")});
+  trade.costs = {0.018, 0.019, 0.020, 21};
+  EXPECT_THAT(report(trade), HasSubstr("hierarchy: 18 ms; refitting it to moved vertices: 19 ms;\n"
+                                       "rebuilding it: 20 ms; memory: 21 bytes"));
+}
+
+TEST(Recommendation, TellsThe99thPercentileOfTheTimes) {
+  BandTrade band = bandOf("0-1 mm");
+  band.samples[kExact].times = {1e-6, 2e-6, 3e-6};
+  EXPECT_THAT(recommendation(tradeOf({band})),
+              HasSubstr("exact answer: all zero (exact), 2.00 us (p99 3.00 us)"));
+}
+
+TEST(Recommendation, NearTheSurfaceIsThatOfBothNearBands) {
+  BandTrade first = bandOf("0-1 mm");
+  first.samples[kLeaves16].times = {1e-6};
+  first.summaries[kLeaves16].confidence->error_p999_limit = 0.0;
+  const std::string words = recommendation(tradeOf({first, bandOf("1-5 mm")}));
+  EXPECT_EQ(words.find("max_leaves 16"), std::string::npos);
+}
+
+TEST(Recommendation, TakesNoRelativeErrorForAProvenOne) {
+  BandTrade band = bandOf("0-1 mm");
+  band.samples[kOnePercent].times = {1e-6};
+  EXPECT_EQ(recommendation(tradeOf({band})).find("max_relative_error"), std::string::npos);
+}
+
+TEST(Figure, DrawsThe99thPercentileOfTheErrorOverTheMedianTime) {
+  const PlotSeries greedy = figure(tradeOf({bandOfManyNumbers()})).plots.at(0).series.at(1);
+  EXPECT_DOUBLE_EQ(greedy.points.at(0).x, 1.0);
+  EXPECT_DOUBLE_EQ(greedy.points.at(0).y, 8.0);
 }
 
 }  // namespace
