@@ -22,7 +22,7 @@ class DeformingLiver(unittest.TestCase):
         cls.loaded = cls.services.surface()
         cls.contacts = ContactsInbox()
         cls.infos = Inbox("organ_collision/mesh_info", MeshInfoArray)
-        cls.stream = rospy.Publisher("organ_collision/mesh_update", MeshUpdate, queue_size=100, tcp_nodelay=True)
+        cls.stream = rospy.Publisher("organ_collision/mesh_update", MeshUpdate, queue_size=5000, tcp_nodelay=True)
         wait_until(lambda: cls.stream.get_num_connections() == 1, "the node to hear mesh updates")
 
     def setUp(self):

@@ -62,7 +62,7 @@ class MeshStream(DeformingLiver):
         vertices = np.random.default_rng(6).permutation(len(self.loaded.vertices))
         for phase in range(10):  # an idle machine may keep up with a burst
             moved = self.deformed(phase=phase)
-            if self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 90)], BURST_RATE) > 0:
+            if self.send_and_follow([(moved[part], part) for part in np.array_split(vertices, 4000)], BURST_RATE) > 0:
                 return
         self.fail("of ten bursts none was merged")
 
