@@ -1,5 +1,7 @@
 #include "node/organ.h"
 
+#include <malloc.h>
+
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -174,6 +176,9 @@ Organ::Applied Organ::replace(core::TriangleMesh mesh, std::uint32_t expected_ve
                built.cost);
   // The new mesh is there, and nothing below needs memory.
   snapshots_.trim();  // of the former one nothing is needed here any more
+#if defined(__GLIBC__)
+  malloc_trim(0);  // which else keeps most of it, and of each topology more
+#endif
   log_ = std::move(log);
   refit_policy_ = RefitPolicy(built.refit_cost);
   const std::lock_guard<std::mutex> lock(queue_mutex_);

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <random>
@@ -221,6 +223,26 @@ TEST(Organ, RefusesWholeWhatDoesNotFitAndKeepsAnswering) {
   EXPECT_FALSE(organ.work());
   EXPECT_EQ(organ.snapshot()->version, 1U);
   EXPECT_EQ(heightOfTop(organ), 1.0);
+}
+
+/// [bytes] Of this process.
+std::size_t residentMemory() {
+  std::ifstream pages("/proc/self/statm");
+  std::size_t all = 0;
+  std::size_t resident = 0;
+  pages >> all >> resident;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(Organ, GivesTheMemoryOfFormerTopologiesBack) {
+  if (test::allocatedMemory() == 0) GTEST_SKIP() << "a sanitizer allocates";
+  Organ organ = cube();
+  const std::size_t before = residentMemory();
+  for (int i = 0; i < 5; ++i) {
+    organ.replace(test::blob(7), 0);
+    organ.replace(test::cube(), 0);
+  }
+  EXPECT_LT(residentMemory(), before + 20'000'000);
 }
 
 // ---- streams
