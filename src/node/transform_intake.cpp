@@ -87,7 +87,7 @@ std::string TransformIntake::conflictOf(const TransformStamped& transform, bool 
   const bool is_known_below = found != known_.end() && found->second.parent == parent;
   if (!is_known_below && isBelow(parent, transform.child_frame_id))
     return "that would close a loop: '" + parent + "' is in '" + transform.child_frame_id +
-           "', as it was told before";
+           "', as it was told before; if that was a mistake, start this node anew";
   if (found == known_.end()) return "";
   const Known& known = found->second;
   if (known.is_static != is_static)

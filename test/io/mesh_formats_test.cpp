@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -59,6 +60,8 @@ TEST_F(MeshFormats, RefusesABadFaceOfObj) {
   };
   EXPECT_EQ(with("1 2 3"), "");
   EXPECT_THAT(with("1 2 4"), HasSubstr("line 5: a face names vertex 4 of 3, counted from 1"));
+  EXPECT_THAT(with("4 1 2"), HasSubstr("line 5: a face names vertex 4 of 3, counted from 1"));
+  EXPECT_THAT(with("1 2 4\nf 1 2 3"), HasSubstr("line 5: a face names vertex 4 of 3"));
   EXPECT_THAT(with("1 2 0"), HasSubstr("line 5: a face names vertex 0, when there are 3 so far"));
   EXPECT_THAT(with("1 2 -4"), HasSubstr("line 5: a face names vertex -4"));
   EXPECT_THAT(with("1 2 4294967297"), HasSubstr("line 5: a face names vertex 4294967297"));
@@ -107,6 +110,28 @@ TEST_F(MeshFormats, FillsAPolygonThatIsNotConvexFromACornerThatSeesAllOfIt) {
   for (const Format& format : kFormats) {
     if (!format.is_indexed) continue;
     EXPECT_EQ(facesOf(load(format.file, format.bytes(arrow))), fans) << format.name;
+  }
+}
+
+TEST_F(MeshFormats, FillsAPolygonFromALateCornerOrBesideOneThatIsHardlyReflex) {
+  // Radii of 1 and 2 in turn around the last corner, which alone sees all.
+  Shape zigzag = {{}, {{0, 1, 2, 3, 4, 5, 6, 7}}};
+  for (int i = 0; i < 7; ++i) {
+    const double angle = 0.4 * i;
+    const Eigen::Vector3d around(std::cos(angle), std::sin(angle), 0);
+    zigzag.positions.push_back((1 + i % 2) * around);
+  }
+  zigzag.positions.push_back({0, 0, 0});
+  const Shape notched = {{{0, 0, 0}, {1, 0, 0}, {2, -0.005, 0}, {2, 2, 0}, {0, 2, 0}},
+                         {{0, 1, 2, 3, 4}}};
+  for (const Format& format : kFormats) {
+    if (!format.is_indexed) continue;
+    EXPECT_EQ(facesOf(load(format.file, format.bytes(zigzag))),
+              (Faces{{7, 0, 1}, {7, 1, 2}, {7, 2, 3}, {7, 3, 4}, {7, 4, 5}, {7, 5, 6}}))
+        << format.name;
+    EXPECT_EQ(facesOf(load(format.file, format.bytes(notched))),
+              (Faces{{1, 2, 3}, {1, 3, 4}, {1, 4, 0}}))
+        << format.name;
   }
 }
 

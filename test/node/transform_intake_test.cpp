@@ -267,7 +267,8 @@ TEST_F(TransformIntakeTest, WhatWouldCloseALoopIsRefusedByName) {
     EXPECT_EQ(hear("base", 3.0, ros::Time(100.1), ros::Time(100.1), false, parent),
               "refused where 'test' says that 'base' is in '" + std::string(parent) +
                   "': that would close a loop: '" + parent +
-                  "' is in 'base', as it was told before");
+                  "' is in 'base', as it was told before; if that was a mistake, start this node "
+                  "anew");
   }
   EXPECT_EQ(hear("base", 1.0, ros::Time(100.1), ros::Time(100.1)), "");
   EXPECT_EQ(hear("arm", 1.0, ros::Time(100.1), ros::Time(100.1), false, "base"), "");
