@@ -75,6 +75,7 @@ class SoftOrgan::Simulation {
     world_.getWorldInfo().m_sparsesdf.setDefaultVoxelsz(inUnits(kVoxel));
     for (std::size_t i = 0; i < instruments; ++i) addInstrument();
     layToRest();
+    requireRest();
   }
 
   bool step(const std::vector<TipPose>& organ_from_tips) {
@@ -120,6 +121,14 @@ class SoftOrgan::Simulation {
     if (body_) world_.removeSoftBody(body_.get());
     body_ = makeBody();
     world_.addSoftBody(body_.get());
+  }
+
+  /// Bullet tears a flat mesh, or one of numbers beyond its own, though nobody touches it.
+  void requireRest() {
+    if (!step(std::vector<TipPose>(instruments_.size())))
+      throw std::invalid_argument(
+          "the mesh cannot be simulated: untouched it does not stay at rest, as it is flat, or far "
+          "from the origin");
   }
 
   std::unique_ptr<btSoftBody> makeBody() {

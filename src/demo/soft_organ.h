@@ -26,7 +26,8 @@ class SoftOrgan {
   static constexpr std::size_t kMostVertices = 20'000;  ///< Bullet counts all pairs of them
 
   /// `mesh` [m] is the shape at rest. Throws std::invalid_argument naming a vertex in no triangle,
-  /// or their number if there are too many. O(vertices^2): 3 s for 10,000.
+  /// or their number if there are too many, or where Bullet cannot hold it at rest.
+  /// O(vertices^2): 3 s for 10,000.
   SoftOrgan(core::TriangleMesh mesh, std::size_t instruments);
   ~SoftOrgan();
 
@@ -36,7 +37,7 @@ class SoftOrgan {
   /// as the first. REQUIRES: one entry for each instrument; finite poses.
   bool step(const std::vector<TipPose>& organ_from_tips);
 
-  /// Of the mesh's vertices [m], in their order and frame; finite.
+  /// Of the mesh's vertices [m], in their order and frame; finite, and Bullet's floats.
   core::Points positions() const;
 
  private:

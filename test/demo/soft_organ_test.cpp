@@ -189,5 +189,13 @@ TEST(SoftOrgan, RefusesAVertexThatIsInNoTriangle) {
               testing::ThrowsMessage<std::invalid_argument>("vertex 2 is in no triangle"));
 }
 
+TEST(SoftOrgan, RefusesWhatBulletCannotHoldAtRest) {
+  const core::TriangleMesh flat = io::loadMesh(MESHES "/grid.obj");
+  const core::TriangleMesh far = test::placed(test::blob(2), 1.0, {1e20, 0, 0});
+  for (const core::TriangleMesh& mesh : {flat, far})
+    EXPECT_THAT([&] { SoftOrgan(mesh, 1); }, testing::ThrowsMessage<std::invalid_argument>(
+                                                 testing::HasSubstr("does not stay at rest")));
+}
+
 }  // namespace
 }  // namespace organ_collision::demo
