@@ -135,7 +135,7 @@ std::optional<HullDistance> byEpa(const Polytope::FourCorners& corners, const Po
     }
     if (is_outermost || !polytope.add(corner)) polytope.passByNearest();
   }
-  // Of a plane without the point that is nearest: on to it.
+  // Of the nearest plane perhaps another triangle is known than the one that is nearest: on to it.
   for (int i = 0; i < kSteps && !polytope.holdsOrigin(); ++i) {
     const HullDistance nearest = polytope.nearestPoints();
     const Vector3d back = nearest.on_second - nearest.on_first;

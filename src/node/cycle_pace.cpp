@@ -20,7 +20,6 @@ constexpr double kQuiet = 0.0005;  // [s] without a message, or half a cycle: no
 
 CyclePace::CyclePace(double rate, ros::SteadyTime now)
     : shortest_(std::min(1.0 / (kMoreThanRate * rate), kHeartbeat)),
-      credit_(std::max(shortest_, ros::WallDuration(kCatchUp))),
       last_(now),
       allowed_(now),
       caught_up_(now),
@@ -28,7 +27,7 @@ CyclePace::CyclePace(double rate, ros::SteadyTime now)
       former_length_(std::numeric_limits<std::int32_t>::max(), 0),
       first_unanswered_(now),
       last_message_(now),
-      allowed_for_each_(now - credit_) {}
+      allowed_for_each_(now - ros::WallDuration(kCatchUp)) {}
 
 ros::SteadyTime CyclePace::heartbeat() const { return last_ + ros::WallDuration(kHeartbeat); }
 
@@ -58,14 +57,15 @@ void CyclePace::noteMessage(ros::SteadyTime now) {
   if (!has_unanswered_) first_unanswered_ = now;
   has_unanswered_ = true;
   last_message_ = now;
-  allowed_for_each_ = std::clamp(allowed_for_each_, now - credit_, now + credit_) + shortest_;
+  const ros::WallDuration credit(kCatchUp);
+  allowed_for_each_ = std::clamp(allowed_for_each_, now - credit, now + credit) + shortest_;
   // Only those with news use the rate up, as allowed_ knows, but it forgets once they are gathered.
   is_crowded_ = now < allowed_for_each_ && (is_crowded_ || now < allowed_);
 }
 
 void CyclePace::noteCycle(ros::SteadyTime now) {
   last_ = now;
-  allowed_ = std::max(allowed_, now - credit_) + shortest_;
+  allowed_ = std::max(allowed_, now - ros::WallDuration(kCatchUp)) + shortest_;
 }
 
 void CyclePace::noteAnswer(ros::SteadyTime began, ros::SteadyTime ended) {

@@ -52,7 +52,6 @@ class CyclePace {
   bool isShort() const;
 
   ros::WallDuration shortest_;  // from one cycle to the next
-  ros::WallDuration credit_;    // so far back the rate is made up for
   ros::SteadyTime last_, allowed_, caught_up_, ended_;
   // Of the last answer that was a cycle, and the shorter of it and the one before: not to take a
   // stall of the machine for a long cycle.
