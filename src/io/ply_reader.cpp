@@ -190,7 +190,8 @@ class Body {
       use();
       if (word_ < lines_.words().size())
         lines_.refuse("it has " + std::to_string(lines_.words().size()) + " words, but " +
-                      std::to_string(word_) + " are wanted");
+                      std::to_string(word_) + " are wanted in row " + std::to_string(number) +
+                      " of element " + element);
       return;
     }
     try {

@@ -275,7 +275,7 @@ TEST_F(MeshFormats, RefusesABadPly) {
   EXPECT_THAT(with("ascii", "asci"), HasSubstr("line 2: word 2 must be one of ascii, binary"));
   EXPECT_THAT(with("vertex 3", "vertex -3"), HasSubstr("line 3: the count is negative"));
   EXPECT_THAT(with("vertex 3", "vertex 4000000000000"),
-              HasSubstr("line 13: it has 4 words, but 3 are wanted"));
+              HasSubstr("line 13: it has 4 words, but 3 are wanted in row 3 of element vertex"));
   EXPECT_THAT(with("element vertex", "element vortex"),
               HasSubstr("must have one element vertex; it has: vortex, face"));
   EXPECT_THAT(with("float x", "flaot x"),
@@ -298,7 +298,8 @@ TEST_F(MeshFormats, RefusesABadPly) {
   EXPECT_THAT(with("3 0 1 2\n", ""), HasSubstr("ends here, but a row of element face is wanted"));
   EXPECT_THAT(with("3 0 1 2", "3 0 1 2\n3 0 1 2"),
               HasSubstr("line 14: more follows than the header says"));
-  EXPECT_THAT(with("3 0 1 2", "3 0 1 2 2"), HasSubstr("line 13: it has 5 words, but 4 are wanted"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 2 2"),
+              HasSubstr("line 13: it has 5 words, but 4 are wanted in row 0 of element face"));
   EXPECT_THAT(with("3 0 1 2", "3.5 0 1 2 0"), HasSubstr("list vertex_indices has 3.5"));
   EXPECT_THAT(with("element face", "element vertex 0\nelement face"),
               HasSubstr("must have one element vertex"));
