@@ -46,6 +46,7 @@ Value named(const TextLines& lines, std::size_t word,
   const auto found = word < lines.words().size() ? values.find(lines.words()[word]) : values.end();
   if (found != values.end()) return found->second;
   std::vector<std::string_view> known;
+  known.reserve(values.size());
   for (const auto& entry : values) known.push_back(entry.first);
   lines.refuse("word " + std::to_string(word + 1) + " must be one of " + joined(known), word);
 }
