@@ -44,13 +44,15 @@ std::array<std::uint32_t, 2> setsBelow(const SplitPaths& paths, std::uint32_t sp
   return {count(paths.above & paths.firsts), count(paths.above & ~paths.firsts)};
 }
 
-/// Goes from a node to a set below, as the poles of the mesh tell.
+/// Goes from a node to a set below; only what is in doubt is decided by the mesh.
 Set setBelow(const CollisionMesh& organ, const Eigen::Vector3d& tip, Descent& descent) {
   const GreedyGuide& guide = organ.wideTree().guide();
   Set set = guide.sets[descent.node];
   std::uint32_t split = 0;
   for (std::uint32_t left = kLaneCount; left > 1 && !set.isLeaf();) {
-    const bool in_first = isNearerToFirstPole(organ, set, tip);
+    const std::uint32_t bit = 1U << split;
+    const bool in_first = (descent.sure & bit) != 0 ? (descent.firsts & bit) != 0
+                                                    : isNearerToFirstPole(organ, set, tip);
     const auto [of_first, of_second] = setsBelow(guide.nodes[descent.node].paths, split);
     set = organ.tree().children(set)[in_first ? 0 : 1];
     ++descent.splits;

@@ -109,10 +109,11 @@ inline bool descend(Descent& descent) {
     const NodeSplits& node = descent.nodes[node_number];
     const Lanes<float> sides = sidesOf(vectorOf<float>(descent.tip), node);
     const Choice below = chosenSet(node.paths, 0, signsOf(sides));
-    if (!below.isSure(clearSides(descent, sides)) &&  // seldom
-        !below.isSure(sureSides(descent, node, sides))) {
+    if (!below.isSure(clearSides(descent, sides))) {  // seldom
       descent.node = node_number;
-      return false;
+      descent.firsts = signsOf(sides);
+      descent.sure = sureSides(descent, node, sides);
+      if (!below.isSure(descent.sure)) return false;
     }
     const std::uint32_t set = foreseen(node.sets[below.set], *last);
     if (last != &descent.last_way->back()) ++last;
@@ -129,7 +130,8 @@ inline bool descend(Descent& descent) {
     const ProvenSides within = sidesOf(descent, packet, splits);
     const Choice leaf = chosenSet(splits.paths, set % kLaneCount, signsOf(within.sides));
     if (!leaf.isSure(within.sure)) {
-      descent.node = node_number;  // from there on, all is asked again
+      descent.node = node_number;
+      descent.sure = 0;  // from the node on, all is asked again
       return false;
     }
     descent.leaf = foreseen(first_leaf + leaf.set, *last);

@@ -26,6 +26,8 @@ struct Descent {
 
   std::uint32_t node = 0;  ///< to start from; in doubt, that it has come to: all before is decided
   std::uint32_t splits = 0;  ///< before
+  std::uint32_t firsts = 0;  ///< in doubt, the node's splits, by bits, that go with the first pole
+  std::uint32_t sure = 0;    ///< those of which that is sure
   std::uint32_t leaf = 0;    ///< in the end
 };
 
