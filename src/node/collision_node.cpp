@@ -11,7 +11,6 @@
 #include "node/duty.h"
 #include "node/scene_loader.h"
 #include "node/scene_report.h"
-#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::node {
 namespace {
@@ -220,7 +219,6 @@ void CollisionNode::collectComplaints() {
   complaints_ = cycle_.complaints(now);
   for (Complaint& complaint : proximity_cycle_.complaints(now))
     complaints_.push_back(std::move(complaint));
-  for (Complaint& complaint : complaints_) complaint.reason = io::printable(complaint.reason);
 }
 
 std::shared_ptr<const Cycle> CollisionNode::lastCycle() const {

@@ -46,14 +46,11 @@ void ComplaintLog::writeOfPairs(const std::vector<Complaint>& complaints) {
   for (const Complaint& complaint : complaints) {
     const std::string pair = complaint.first + " to " + complaint.second;
     const auto known = write_at_.find(pair);
-    const auto due =
-        write_at
-            .emplace(pair,
-                     known == write_at_.end() ? now + ros::WallDuration(kPatience) : known->second)
-            .first;
-    if (now < due->second) continue;
-    due->second = now + ros::WallDuration(kPeriod);
-    told[complaint.reason].push_back(due->first);
+    const ros::SteadyTime due =
+        known == write_at_.end() ? now + ros::WallDuration(kPatience) : known->second;
+    const bool is_due = due <= now;
+    const auto noted = write_at.emplace(pair, is_due ? now + ros::WallDuration(kPeriod) : due);
+    if (is_due) told[complaint.reason].push_back(noted.first->first);
   }
   for (const auto& [reason, pairs] : told)
     ROS_WARN("%s: %s", io::printable(io::joined(pairs)).c_str(), reason.c_str());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "node/transform_intake.h"
+#include "organ_collision/io/message_text.h"
 
 namespace organ_collision::node {
 namespace {
@@ -97,13 +98,14 @@ bool PairPose::isLate(const ros::Time& now, double stale_after) const {
 
 std::string PairPose::complaint(const ros::Time& now, double stale_after,
                                 const tf2::BufferCore& buffer) const {
-  if (!reason_.empty() || !isKnown()) return reason_;
+  if (!reason_.empty() || !isKnown()) return io::printable(reason_);
   const auto told = [&](const std::string& what, const FramePose& pose, const std::string& target,
                         const std::string& source) {
     const double age = ageOf(pose, now).toSec();
     if (age < 0.0) return what + " is " + std::to_string(-age) + " s ahead of the clock";
-    return what + " is " + std::to_string(age) + " s old: of a later time tf has not told where '" +
-           quietest(buffer, source, target) + "' is";
+    return io::printable(what + " is " + std::to_string(age) +
+                         " s old: of a later time tf has not told where '" +
+                         quietest(buffer, source, target) + "' is");
   };
   if (!isOfNow(*second_from_first_, now, stale_after))
     return told("the last pose", *second_from_first_, frames_.second, frames_.first);

@@ -55,7 +55,7 @@ class PairPose {
   bool isLate(const ros::Time& now, double stale_after) const;
 
   /// Why the poses are not those of now, and of which frame `buffer` has heard no more; empty: they
-  /// are. REQUIRES no more than lookUp().
+  /// are. Printable, though anybody may name frames. REQUIRES no more than lookUp().
   std::string complaint(const ros::Time& now, double stale_after,
                         const tf2::BufferCore& buffer) const;
 

@@ -62,7 +62,7 @@ void writeFile(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw std::runtime_error(file.string() + ": cannot write this file");
+  if (!out) throw std::runtime_error("'" + file.string() + "': cannot write this file");
 }
 
 }  // namespace organ_collision::tools

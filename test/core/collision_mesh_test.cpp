@@ -375,9 +375,11 @@ TEST(CollisionMesh, HoldsAFewTrianglesFarFromManyToo) {
   CollisionMesh organ(test::joined(test::blob(5), few));
   std::mt19937 generator(12);
   for (const bool is_refitted : {false, true}) {
-    Points positions = organ.mesh().positions();
-    for (Eigen::Vector3d& position : positions) position *= 1.25;
-    if (is_refitted) organ.refit(positions);
+    if (is_refitted) {
+      Points positions = organ.mesh().positions();
+      for (Eigen::Vector3d& position : positions) position *= 1.25;
+      organ.refit(positions);
+    }
     EXPECT_EQ(organ.health().degenerate_triangles, 1U);
     for (int i = 0; i < 30; ++i) {
       const Eigen::Vector3d tip = organ.health().box.high + test::randomPoint(generator, 0.2);

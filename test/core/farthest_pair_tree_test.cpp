@@ -14,8 +14,6 @@
 namespace organ_collision::core {
 namespace {
 
-using test::corners;
-
 using Set = FarthestPairTree::Set;
 
 /// Calls `visit` for every set that is split.
@@ -167,7 +165,8 @@ TEST(FarthestPairTree, OrdersTurnedDuplicatesWhateverTheirNumbers) {
     const TriangleMesh mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {one, other});
     return mesh.corners(FarthestPairTree(mesh).triangle(0));
   };
-  EXPECT_EQ(first(corners(0, 1, 2), corners(0, 2, 1)), first(corners(0, 2, 1), corners(0, 1, 2)));
+  EXPECT_EQ(first(test::corners(0, 1, 2), test::corners(0, 2, 1)),
+            first(test::corners(0, 2, 1), test::corners(0, 1, 2)));
 }
 
 TEST(FarthestPairTree, HasAPoleOfEachHalfOfCoincidentTriangles) {
@@ -180,7 +179,7 @@ TEST(FarthestPairTree, HasAPoleOfEachHalfOfCoincidentTriangles) {
   });
 }
 
-/// Four triangles with one centroid.
+/// Two triangles with one centroid: which comes first, their vertices decide.
 TEST(FarthestPairTree, OrdersCoincidentTrianglesWhicheverCornerComesFirst) {
   const Points points = {{3, 0, 0}, {0, 3, 0}, {-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, {-6, -6, 0}};
   const auto ordered = [&](const std::vector<Corners>& triangles) {

@@ -230,5 +230,18 @@ TEST_F(ContactPosesTest, HasNewsWhenTheScenesFrameIsThereAndWhereverThatIsLate) 
   EXPECT_EQ(cycle.contacts(ros::Time(100.1), {}).contacts[0].nearest.distance, 1.0);
 }
 
+TEST_F(ContactPosesTest, ComplainOfNoFrameInWordsThatATerminalWouldObey) {
+  place("world", "bow\x1b[2Jel", {10, 0, 0}, ros::Time(100.0));
+  for (const double now : {100.0, 105.0})
+    place("bow\x1b[2Jel", "left_tip", {0.5, 0.5, 3.0}, ros::Time(now));
+  instruments_[1].frame = "ti\np";
+  ContactCycle cycle(scene_, instruments_, organs_, buffer_);
+  cycle.lookUpTips();
+  const auto complaints = cycle.complaints(ros::Time(105.0));
+  ASSERT_EQ(complaints.size(), 2U);
+  EXPECT_NE(complaints[0].reason.find("where 'bow?[2Jel' is"), std::string::npos);
+  EXPECT_EQ(complaints[1].reason, "tf knows no frame 'ti p'");
+}
+
 }  // namespace
 }  // namespace organ_collision::node
