@@ -61,7 +61,7 @@ TEST(WriteFile, WritesWhatItIsGiven) {
 TEST(WriteFile, NamesTheFileThatCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THAT(messageOf([&] { writeFile(folder.path() / "none" / "text", "one"); }),
-              HasSubstr("none/text: cannot write"));
+              HasSubstr("none/text': cannot write"));
 }
 
 }  // namespace
